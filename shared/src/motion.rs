@@ -49,6 +49,18 @@ impl NodeMotion {
     }
 }
 
+/// Returns where the surfaces of nodes are from where the file has them, world space; in the order of the nodes. A node
+/// beyond the end of `motions` does not move by itself.
+pub fn world_motions(groups: &Groups, motions: &[NodeMotion]) -> Vec<DAffine3> {
+    let mut world: Vec<DAffine3> = Vec::with_capacity(groups.nodes.len());
+    for (i, node) in groups.nodes.iter().enumerate() {
+        let above = node.parent.map_or(DAffine3::IDENTITY, |parent| world[parent as usize]);
+        let motion = motions.get(i).filter(|motion| **motion != NodeMotion::default());
+        world.push(motion.map_or(above, |motion| motion.of_world(DVec3::from(node.origin), &above)));
+    }
+    world
+}
+
 /// Motion of a reconstruction group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
@@ -83,12 +95,7 @@ impl Motions {
     /// Returns the motions of groups for motions of their nodes, in the order of the nodes; a node beyond the end does not
     /// move. `origin` is that of local space.
     pub fn new(groups: &Groups, nodes: &[NodeMotion], origin: [f64; 3]) -> Self {
-        let mut world: Vec<DAffine3> = Vec::with_capacity(groups.nodes.len());
-        for (i, node) in groups.nodes.iter().enumerate() {
-            let above = node.parent.map_or(DAffine3::IDENTITY, |parent| world[parent as usize]);
-            let motion = nodes.get(i).filter(|motion| **motion != NodeMotion::default());
-            world.push(motion.map_or(above, |motion| motion.of_world(DVec3::from(node.origin), &above)));
-        }
+        let world = world_motions(groups, nodes);
         if world.iter().all(|motion| *motion == DAffine3::IDENTITY) {
             return Self::default();
         }

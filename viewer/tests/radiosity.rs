@@ -17,11 +17,14 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::gpu::scope::Scope;
 use rebounce_viewer::radiosity::{Radiosity, RadiosityPipelines};
 use rebounce_viewer::readback::Readback;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::GpuScene;
+use rebounce_viewer::settings::SolverChoice;
 use rebounce_viewer::upload::Upload;
 use wgpu::BufferUsages;
 
-/// A room without links, and a two-sided panel in it that may move: on every level it has points on both sides.
-fn room_with_panel() -> BakedScene {
+/// A room, and a two-sided panel in it that may move: on every level it has points on both sides.
+fn linked_room() -> BakedScene {
     let mut scene = common::room(&[4, 8, 16]);
     let first = scene.vertices.len() as u32;
     for (x, y) in [(-0.4, -0.4), (0.4, -0.4), (0.4, 0.4), (-0.4, 0.4)] {
@@ -63,6 +66,14 @@ fn room_with_panel() -> BakedScene {
         transmittance: Vec::new(),
     };
     scene.reflectance = (0..scene.points.len()).map(|i| 100 + (i % 80) as u8).collect();
+    scene.relate().unwrap();
+    common::link(&mut scene);
+    scene
+}
+
+/// As [`linked_room`], without links.
+fn room_with_panel() -> BakedScene {
+    let mut scene = linked_room();
     scene.meta.sender_levels = 3;
     scene.links = LinkMatrix::from_rows(&vec![Vec::new(); scene.points.len()]);
     scene.meta.later_levels = 0;
@@ -191,4 +202,65 @@ fn a_moved_panel_shades_what_it_stands_before() {
         (0..scene.points.len()).filter(is_behind).map(|i| values[i].element_sum()).sum::<f32>()
     };
     assert!(sum(&after) < 0.5 * sum(&before), "{} of {}", sum(&after), sum(&before));
+}
+
+/// The renderer of a scene, and a picture of its bounced light.
+fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let pipelines = renderer.pipelines();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
+    renderer.install(loaded).unwrap();
+    renderer
+}
+
+fn indirect(renderer: &mut Renderer) -> Vec<u8> {
+    let read = renderer.read_indirect(48, 32).unwrap();
+    pollster::block_on(read.wait()).unwrap()
+}
+
+#[test]
+fn radiosity_takes_over_while_something_is_moved_and_the_operator_returns() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = linked_room();
+    let mut ours = renderer(&gpu, &scene);
+    assert_eq!(ours.solver_in_use(), "operator");
+    let rest = indirect(&mut ours);
+    // The operator's picture is that of the same links without groups that move.
+    let mut still = scene.clone();
+    still.reflectance = Vec::new();
+    let mut fixed = renderer(&gpu, &still);
+    assert!(indirect(&mut fixed) == rest && fixed.node_names().is_empty());
+    let motion = NodeMotion { translation: [0.2, 0.3, -0.4], rotation_y_deg: 40.0, ..NodeMotion::default() };
+    ours.move_nodes(&[motion]).unwrap();
+    assert_eq!((ours.solver_in_use(), ours.is_solving()), ("radiosity", true));
+    let moved = indirect(&mut ours);
+    assert!(moved != rest && !ours.is_solving());
+    // What the file has as points alone gives the same light.
+    let mut unlinked = renderer(&gpu, &room_with_panel());
+    unlinked.set_lights(ours.lights().to_vec()).unwrap();
+    unlinked.move_nodes(&[motion]).unwrap();
+    assert!(indirect(&mut unlinked) == moved);
+    unlinked.set_solver(SolverChoice::Operator);
+    assert_eq!(unlinked.solver_in_use(), "radiosity");
+    // By force, the operator of where things were baked.
+    ours.set_solver(SolverChoice::Operator);
+    assert_eq!((ours.solver_in_use(), ours.is_solving()), ("operator", false));
+    ours.set_solver(SolverChoice::Auto);
+    ours.move_nodes(&[NodeMotion::default()]).unwrap();
+    assert_eq!(ours.solver_in_use(), "operator");
+    assert!(indirect(&mut ours) == rest);
+    ours.set_solver(SolverChoice::Radiosity);
+    assert_eq!((ours.solver_in_use(), ours.is_solving()), ("radiosity", true));
+    assert!(indirect(&mut ours) != rest);
+    gpu.check().unwrap();
+}
+
+#[test]
+fn without_lights_there_is_no_bounced_light() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut ours = renderer(&gpu, &room_with_panel());
+    indirect(&mut ours);
+    ours.set_lights(Vec::new()).unwrap();
+    let dark: Vec<f32> = bytemuck::pod_collect_to_vec(&indirect(&mut ours));
+    assert!(dark.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]));
 }

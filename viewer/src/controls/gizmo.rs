@@ -52,6 +52,9 @@ pub struct Marks {
     pub hovered: Option<Handle>,
     /// The selected light.
     pub selected: Option<usize>,
+    /// The node's handle under the pointer, or the dragged one.
+    #[cfg(feature = "radiosity")]
+    pub node: Option<super::node_gizmo::NodeHandle>,
 }
 
 /// A light's direction at unit length.
@@ -277,8 +280,8 @@ pub(super) mod tests {
         let largest = |marks| shapes(&s, marks).iter().map(|shape| shape.radius).fold(0.0, f32::max);
         let plain = largest(Marks::default());
         let hovered = Some(Handle { light: 0, aim: false });
-        assert!(largest(Marks { hovered, selected: None }) > 1.3 * plain);
-        assert!(largest(Marks { hovered: None, selected: Some(1) }) > 1.3 * plain);
-        assert_eq!(largest(Marks { hovered: None, selected: Some(9) }), plain);
+        assert!(largest(Marks { hovered, ..Marks::default() }) > 1.3 * plain);
+        assert!(largest(Marks { selected: Some(1), ..Marks::default() }) > 1.3 * plain);
+        assert_eq!(largest(Marks { selected: Some(9), ..Marks::default() }), plain);
     }
 }

@@ -1,6 +1,7 @@
 //! Controls: effects of pointers, wheel and keys on the camera and the lights. No GPU, no browser.
 //!
-//! A single pointer on a light's handle drags and selects the light ([`drag`]). Elsewhere the primary button looks
+//! A single pointer on a light's handle drags and selects the light ([`drag`]), on a node's handle moves or turns the node.
+//! Elsewhere the primary button looks
 //! around inside and orbits outside ([`surroundings`]), the secondary button (or ctrl) looks around, the middle
 //! button (or shift) pans. Wheel and two pointers walk inside, and dolly outside. W A S D, Q E, arrows and the
 //! stick walk inside, and fly outside ([`fly`]). Surfaces stop the camera ([`collide`]).
@@ -9,6 +10,10 @@ pub mod collide;
 pub mod drag;
 pub mod fly;
 pub mod gizmo;
+#[cfg(feature = "radiosity")]
+pub mod node_drag;
+#[cfg(feature = "radiosity")]
+pub mod node_gizmo;
 pub mod orbit;
 pub mod sun;
 pub mod surroundings;
@@ -20,6 +25,10 @@ use drag::Grip;
 use fly::Fly;
 use gizmo::{Handle, Marks};
 use glam::{DVec3, Vec3};
+#[cfg(feature = "radiosity")]
+use node_drag::NodeGrip;
+#[cfg(feature = "radiosity")]
+use node_gizmo::{NodeHandle, StageNode};
 use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::light::Light;
 use std::rc::Rc;
@@ -39,7 +48,10 @@ pub struct Stage {
     pub camera: Camera,
     /// The lights.
     pub lights: Vec<Light>,
-    /// Whether the lights' handles are shown and can be dragged.
+    /// Nodes that may move.
+    #[cfg(feature = "radiosity")]
+    pub nodes: Vec<StageNode>,
+    /// Whether handles are shown and can be dragged.
     pub handles: bool,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
@@ -126,6 +138,11 @@ pub struct Controls {
     dragged: bool,
     fly: Fly,
     hovered: Option<Handle>,
+    /// The dragged handle of a node, and the one under the pointer.
+    #[cfg(feature = "radiosity")]
+    node_grip: Option<NodeGrip>,
+    #[cfg(feature = "radiosity")]
+    hovered_node: Option<NodeHandle>,
     /// The selected light.
     pub selected: Option<usize>,
     /// Whether drags look around; `None` decides by whether the camera is inside.
@@ -140,13 +157,24 @@ impl Controls {
     pub fn reset(&mut self) {
         self.pointers.clear();
         (self.grip, self.hovered, self.decided_at) = (None, None, None);
+        #[cfg(feature = "radiosity")]
+        {
+            (self.node_grip, self.hovered_node) = (None, None);
+        }
         self.fly.release();
     }
 
     /// The highlighted handles.
     pub fn marks(&self) -> Marks {
         let hovered = self.grip.as_ref().map(|grip| grip.handle).or(self.hovered);
-        Marks { hovered, selected: self.selected }
+        #[cfg(feature = "radiosity")]
+        let node = self.node_grip.as_ref().map(|grip| grip.handle).or(self.hovered_node);
+        Marks {
+            hovered,
+            selected: self.selected,
+            #[cfg(feature = "radiosity")]
+            node,
+        }
     }
 
     /// Highlights a light's handle as if under a pointer.
@@ -179,6 +207,8 @@ impl Controls {
         self.decide(stage);
         self.pointers.retain(|p| p.id != id);
         self.grip = None;
+        #[cfg(feature = "radiosity")]
+        self.node_grip.take();
         self.dragged = !self.pointers.is_empty();
         if !self.dragged {
             self.before = Some(stage.camera.clone());
@@ -187,6 +217,11 @@ impl Controls {
             }
             if let Some(grip) = &self.grip {
                 self.selected = Some(grip.handle.light);
+            }
+            #[cfg(feature = "radiosity")]
+            if stage.handles && self.grip.is_none() && button != PointerButton::Look {
+                let handle = node_gizmo::pick(stage, at, reach, self.hovered_node);
+                self.node_grip = handle.and_then(|handle| NodeGrip::new(stage, handle));
             }
         }
         self.pointers.push(Pointer { id, at, start: at, button });
@@ -197,6 +232,12 @@ impl Controls {
     pub fn pointer_move(&mut self, id: i32, at: [f64; 2], shift: bool, alt: bool, stage: &mut Stage) {
         let Some(i) = self.pointers.iter().position(|p| p.id == id) else {
             self.hovered = if stage.handles { gizmo::pick(stage, at, 0.0) } else { None };
+            #[cfg(feature = "radiosity")]
+            {
+                let is_free = stage.handles && self.hovered.is_none();
+                let marked = self.hovered_node;
+                self.hovered_node = if is_free { node_gizmo::pick(stage, at, 0.0, marked) } else { None };
+            }
             return;
         };
         let Pointer { at: before, start, button, .. } = self.pointers[i];
@@ -206,6 +247,10 @@ impl Controls {
         let delta = [at[0] - before[0], at[1] - before[1]];
         let height = stage.size[1].max(1) as f64;
         let pixel = orbit::pixel_at_target(&stage.camera, stage.frame().tan_half_yfov, height);
+        #[cfg(feature = "radiosity")]
+        if let Some(grip) = &self.node_grip {
+            return grip.drag(stage, [before, at], shift || alt);
+        }
         if let Some(grip) = &mut self.grip {
             grip.drag(stage, [before, at], shift, alt);
         } else if let Some(other) = self.pointers.iter().find(|p| p.id != id) {
@@ -250,12 +295,22 @@ impl Controls {
         }
         self.pointers.retain(|p| p.id != id);
         self.grip = None;
+        #[cfg(feature = "radiosity")]
+        self.node_grip.take();
     }
 
     /// Releases all pointers and restores the light or camera of the gesture; true if a pointer was down.
     fn cancel(&mut self, stage: &mut Stage) -> bool {
         if self.pointers.is_empty() {
             return false;
+        }
+        #[cfg(feature = "radiosity")]
+        if let Some(grip) = self.node_grip.take() {
+            if let Some(node) = stage.nodes.get_mut(grip.handle.node) {
+                *node = grip.before;
+            }
+            self.pointers.clear();
+            return true;
         }
         if let Some(grip) = self.grip.take() {
             if let Some(light) = stage.lights.get_mut(grip.handle.light) {

@@ -9,6 +9,8 @@ pub fn stage() -> Stage {
     Stage {
         camera: Camera { position: [0.0, 0.0, 5.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 },
         lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3], radius: 0.0 }],
+        #[cfg(feature = "radiosity")]
+        nodes: Vec::new(),
         handles: true,
         size: [640, 480],
         extent: 10.0,

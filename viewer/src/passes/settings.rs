@@ -107,6 +107,19 @@ named! {
     Splat "splat"
 }
 
+#[cfg(feature = "radiosity")]
+named! {
+    /// What computes bounced light.
+    SolverChoice, "solver":
+    /// The operator, and radiosity where something has moved or the file has no links.
+    #[default]
+    Auto "auto",
+    /// The operator, wherever things are.
+    Operator "operator",
+    /// Radiosity.
+    Radiosity "radiosity"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

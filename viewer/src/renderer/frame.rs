@@ -3,6 +3,8 @@
 use super::Renderer;
 use super::target::Target;
 use crate::controls::gizmo;
+#[cfg(feature = "radiosity")]
+use crate::controls::node_gizmo;
 use crate::gpu::readback::Readback;
 use crate::gpu::scope::Scope;
 use crate::passes::composite::{self, Shading};
@@ -75,7 +77,7 @@ impl Renderer {
         scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;
         #[cfg(feature = "radiosity")]
-        if let (Some(moving), Some(pipelines)) = (&scene.moving, self.pipelines.radiosity.get()) {
+        if let Some((moving, pipelines)) = super::moving::solving(&self.pipelines, scene) {
             moving.show(&self.gpu, encoder, pipelines, &scene.relight);
         }
     }
@@ -278,7 +280,10 @@ impl Renderer {
             pass.draw_points(&own, encoder, view, depth, &target.frame, points, &levels[first..]);
         }
         if handles {
-            let shapes = gizmo::shapes(&self.stage(size), self.marks);
+            let stage = self.stage(size);
+            let shapes = gizmo::shapes(&stage, self.marks);
+            #[cfg(feature = "radiosity")]
+            let shapes = [node_gizmo::shapes(&stage, self.marks.node), shapes].concat();
             pass.draw_gizmos(&own, encoder, view, size, &shapes);
         }
         self.over = Some(own);

@@ -30,6 +30,8 @@ use crate::gpu::{Gpu, LIMITS, MAX_BINDING};
 use crate::passes::cached_direct::CachedDirectLight;
 use crate::passes::composite;
 use crate::passes::display::choice::DisplayChoice;
+#[cfg(feature = "radiosity")]
+use crate::passes::settings::SolverChoice;
 use crate::passes::settings::{Mode, Overlay, ToneMapping, Way};
 use crate::passes::shadow::Shadows;
 use crate::passes::shadow::fit::LARGEST;
@@ -121,6 +123,8 @@ pub struct Renderer {
     still: CachedDirectLight,
     #[cfg(feature = "radiosity")]
     slice: moving::Slice,
+    #[cfg(feature = "radiosity")]
+    solver: SolverChoice,
 }
 
 impl Renderer {
@@ -183,6 +187,8 @@ impl Renderer {
             still: CachedDirectLight::default(),
             #[cfg(feature = "radiosity")]
             slice: moving::Slice::default(),
+            #[cfg(feature = "radiosity")]
+            solver: SolverChoice::default(),
         }
     }
 
@@ -211,6 +217,8 @@ impl Renderer {
         self.still = CachedDirectLight::default();
         self.dirty = Dirty::ALL;
         self.parts = Parts::ALL;
+        #[cfg(feature = "radiosity")]
+        self.follow_solver();
         self.rekey();
         self.light_scene();
         Ok(())

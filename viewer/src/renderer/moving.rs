@@ -1,8 +1,13 @@
 //! Nodes that move, and the bounced light that follows them within a few frames.
 
 use super::Renderer;
+use super::pipelines::Pipelines;
+use crate::controls::node_gizmo::StageNode;
 use crate::error::ViewerError;
+use crate::passes::settings::SolverChoice;
 use crate::scene::GpuScene;
+use crate::scene::moving::Moving;
+use crate::scene::radiosity::RadiosityPipelines;
 use rebounce_shared::motion::NodeMotion;
 
 /// Receivers that are looked at in the first slice of a solution.
@@ -26,17 +31,57 @@ impl Default for Slice {
     }
 }
 
+/// What computes the bounced light of a scene by radiosity; `None` where links do.
+pub(super) fn solving<'a>(
+    pipelines: &'a Pipelines,
+    scene: &'a GpuScene,
+) -> Option<(&'a Moving, &'a RadiosityPipelines)> {
+    let moving = scene.moving.as_ref().filter(|_| scene.relight.is_by_radiosity())?;
+    Some((moving, pipelines.radiosity.get()?))
+}
+
 impl Renderer {
+    fn moving(&self) -> Option<&Moving> {
+        self.scene.as_ref()?.moving.as_ref()
+    }
+
+    /// As [`Self::moving`], where bounced light is computed by radiosity.
+    fn by_radiosity(&self) -> Option<&Moving> {
+        self.moving().filter(|_| self.scene.as_ref().is_some_and(|scene| scene.relight.is_by_radiosity()))
+    }
+
+    /// Chooses what computes bounced light, of this scene and of those after it.
+    pub fn set_solver(&mut self, choice: SolverChoice) {
+        self.solver = choice;
+        self.follow_solver();
+    }
+
+    /// What computes bounced light now: `operator` or `radiosity`.
+    pub fn solver_in_use(&self) -> &'static str {
+        let is_by_radiosity = self.scene.as_ref().is_some_and(|scene| scene.relight.is_by_radiosity());
+        if is_by_radiosity { SolverChoice::Radiosity.name() } else { SolverChoice::Operator.name() }
+    }
+
+    /// Lets the scene follow the choice of a solver, and where its nodes are.
+    pub(super) fn follow_solver(&mut self) {
+        let Some(scene) = &self.scene else { return };
+        let Some(moving) = &scene.moving else { return };
+        let is_by_radiosity = match self.solver {
+            _ if !scene.relight.is_linked() => true,
+            SolverChoice::Auto => moving.is_moved(),
+            choice => choice == SolverChoice::Radiosity,
+        };
+        self.dirty.lights |= scene.relight.set_by_radiosity(is_by_radiosity);
+    }
+
     /// Names of the nodes that may move.
     pub fn node_names(&self) -> Vec<String> {
-        let moving = self.scene.as_ref().and_then(|scene| scene.moving.as_ref());
-        moving.map_or(Vec::new(), |moving| moving.names().map(str::to_owned).collect())
+        self.moving().map_or(Vec::new(), |moving| moving.names().map(str::to_owned).collect())
     }
 
     /// Motions of these nodes, in their order.
     pub fn node_motions(&self) -> Vec<NodeMotion> {
-        let moving = self.scene.as_ref().and_then(|scene| scene.moving.as_ref());
-        moving.map_or(Vec::new(), |moving| moving.nodes())
+        self.moving().map_or(Vec::new(), Moving::nodes)
     }
 
     /// Moves the nodes that may move, in the order of their names.
@@ -47,7 +92,7 @@ impl Renderer {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         let Some(moving) = &scene.moving else {
             return Err(ViewerError::BadArgument(
-                "nothing of this file can move: bake it with --solver radiosity".into(),
+                "nothing of this file can move: bake it with --group NODE or --solver radiosity".into(),
             ));
         };
         if !motions.iter().all(NodeMotion::is_usable) {
@@ -57,11 +102,28 @@ impl Renderer {
             return Ok(());
         }
         moving.place(&self.gpu, &scene.upload, motions);
+        self.follow_solver();
         self.shadows.forget();
         self.still.forget();
         self.dirty.lights = true;
         self.dirty.view = true;
         Ok(())
+    }
+
+    /// The nodes as the controls see them.
+    pub(super) fn stage_nodes(&self) -> Vec<StageNode> {
+        let Some(moving) = self.moving() else { return Vec::new() };
+        let placed = moving.places().into_iter().zip(moving.nodes());
+        placed.map(|([middle, origin], motion)| StageNode { middle, origin, motion }).collect()
+    }
+
+    /// Applies what the controls have done to the nodes.
+    pub(super) fn apply_nodes(&mut self, nodes: &[StageNode]) {
+        if !nodes.is_empty() {
+            let motions: Vec<NodeMotion> = nodes.iter().map(|node| node.motion).collect();
+            // Controls only ever make small steps from a valid state.
+            let _ = self.move_nodes(&motions);
+        }
     }
 
     /// Moves the nodes of these names; others stay where the file has them.
@@ -86,12 +148,12 @@ impl Renderer {
 
     /// Whether bounced light is on its way.
     pub fn is_solving(&self) -> bool {
-        self.scene.as_ref().and_then(|scene| scene.moving.as_ref()).is_some_and(|moving| moving.is_solving())
+        self.by_radiosity().is_some_and(Moving::is_solving)
     }
 
     /// Computes the next slice of bounced light.
     pub(super) fn solve(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
-        let (Some(moving), Some(pipelines)) = (&scene.moving, self.pipelines.radiosity.get()) else { return };
+        let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         self.slice.is_timed = moving.is_solving() && !self.dirty.view && !self.dirty.display;
         if moving.solve(&self.gpu, encoder, pipelines, &scene.relight, self.slice.receivers) {
             self.dirty.display = true;
@@ -100,7 +162,7 @@ impl Renderer {
 
     /// Computes all of the bounced light, slice by slice.
     pub(super) fn solve_all(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
-        let (Some(moving), Some(pipelines)) = (&scene.moving, self.pipelines.radiosity.get()) else { return };
+        let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         while moving.is_solving() {
             moving.solve(&self.gpu, encoder, pipelines, &scene.relight, WHOLE);
             let fresh = self.gpu.device.create_command_encoder(&Default::default());

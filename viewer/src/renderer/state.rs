@@ -202,6 +202,8 @@ impl Renderer {
         Stage {
             camera,
             lights,
+            #[cfg(feature = "radiosity")]
+            nodes: self.stage_nodes(),
             handles,
             size,
             extent: extent as f64,
@@ -216,5 +218,7 @@ impl Renderer {
         // Controls only ever make small steps from a valid state.
         let _ = self.set_camera(stage.camera);
         let _ = self.set_lights(stage.lights);
+        #[cfg(feature = "radiosity")]
+        self.apply_nodes(&stage.nodes);
     }
 }

@@ -77,7 +77,7 @@ pub struct GpuScene {
     pub materials: Materials,
     /// Relighting.
     pub relight: Relight,
-    /// Nodes that move, of a scene for radiosity.
+    /// Nodes that move, of a scene that radiosity can light.
     #[cfg(feature = "radiosity")]
     pub moving: Option<Moving>,
     /// Points of each level.
@@ -113,7 +113,7 @@ impl GpuScene {
         let (upload, relight, moving) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
             #[cfg(feature = "radiosity")]
-            if scene.is_unlinked() {
+            if moving::is_solvable(&scene) {
                 let own = Scope::new(gpu);
                 let points = moving::points(&own, &scene);
                 let relight = Relight::new(gpu, loaders.relight, &upload, &points, &scene);

@@ -8,10 +8,12 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::buffer;
 use crate::gpu::scope::Scope;
+use glam::{DAffine3, DVec3};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::motion::{Motions, NodeMotion};
+use rebounce_shared::motion::{Motions, NodeMotion, world_motions};
 use rebounce_shared::radiosity::RadiositySettings;
 use rebounce_shared::rbn::bulk::Instance;
+use rebounce_shared::rbn::groups::{Groups, Node};
 use std::cell::{Cell, RefCell};
 use wgpu::BufferUsages;
 
@@ -20,16 +22,43 @@ pub struct Moving {
     /// What of the file motions and rays take, without vertices and textures.
     file: BakedScene,
     nodes: RefCell<Vec<NodeMotion>>,
+    /// Middle of what each node moves, where the file has it; world space.
+    middles: Vec<DVec3>,
     solver: RefCell<Radiosity>,
     /// The light or a node has changed since the solution began.
     is_stale: Cell<bool>,
     own: Scope,
 }
 
+/// Whether a scene has what radiosity takes: reflectances, and direct light at all points.
+pub fn is_solvable(scene: &BakedScene) -> bool {
+    !scene.is_solved() && !scene.reflectance.is_empty() && scene.direct_count() == scene.points.len()
+}
+
 /// Points of a scene where their groups are.
 pub fn points(scope: &Scope, scene: &BakedScene) -> wgpu::Buffer {
     let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     buffer(scope, "moved points", storage, bytemuck::cast_slice(&scene.points))
+}
+
+/// Returns the middle of the points of each node and of those below it, world space; of a node without points its origin.
+fn middles(scene: &BakedScene) -> Vec<DVec3> {
+    let Groups { nodes, .. } = &scene.groups;
+    let mut bounds = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; nodes.len()];
+    for (i, point) in scene.points.iter().enumerate() {
+        let mut node = scene.groups.node_of(scene.group_of(i));
+        while let Some(place) = node {
+            let at = point.position().as_dvec3();
+            let [low, high] = &mut bounds[place as usize];
+            (*low, *high) = (low.min(at), high.max(at));
+            node = nodes[place as usize].parent;
+        }
+    }
+    let middle = |(node, [low, high]): (&Node, [DVec3; 2])| match low.cmple(high).all() {
+        true => 0.5 * (low + high) + DVec3::from(scene.meta.origin),
+        false => node.origin.into(),
+    };
+    nodes.iter().zip(bounds).map(middle).collect()
 }
 
 impl Moving {
@@ -57,7 +86,13 @@ impl Moving {
             ..BakedScene::default()
         };
         let nodes = RefCell::new(vec![NodeMotion::default(); file.groups.nodes.len()]);
-        Ok(Self { file, nodes, solver: solver.into(), is_stale: true.into(), own })
+        let middles = middles(&file);
+        Ok(Self { file, nodes, middles, solver: solver.into(), is_stale: true.into(), own })
+    }
+
+    /// Whether a node is elsewhere than the file has it.
+    pub fn is_moved(&self) -> bool {
+        self.nodes.borrow().iter().any(|node| *node != NodeMotion::default())
     }
 
     /// Bytes on the GPU.
@@ -73,6 +108,17 @@ impl Moving {
     /// Motions of the nodes, in the order of their names.
     pub fn nodes(&self) -> Vec<NodeMotion> {
         self.nodes.borrow().clone()
+    }
+
+    /// Returns the middle of what each node moves, and its origin, where they are; world space.
+    pub fn places(&self) -> Vec<[DVec3; 2]> {
+        let groups = &self.file.groups;
+        let world = world_motions(groups, &self.nodes.borrow());
+        let placed = groups.nodes.iter().zip(&self.middles).zip(&world);
+        let place = |((node, middle), world): ((&Node, &DVec3), &DAffine3)| {
+            [*middle, node.origin.into()].map(|place: DVec3| world.transform_point3(place))
+        };
+        placed.map(place).collect()
     }
 
     /// Puts the nodes where `motions` have them: pictures, points, rays.

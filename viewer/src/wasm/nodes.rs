@@ -2,6 +2,7 @@
 
 use super::viewer::Viewer;
 use crate::error::ViewerError;
+use crate::passes::settings::SolverChoice;
 use rebounce_shared::motion::NodeMotion;
 use wasm_bindgen::prelude::*;
 
@@ -37,6 +38,21 @@ impl Viewer {
                 return Err(ViewerError::BadArgument("motions of all nodes are needed".into()));
             }
             state.renderer.move_nodes(&motions)
+        })
+    }
+
+    /// What computes bounced light: `"operator"` or `"radiosity"`.
+    #[wasm_bindgen(getter)]
+    pub fn solver(&self) -> String {
+        self.state.borrow().renderer.solver_in_use().into()
+    }
+
+    /// Chooses it: `"auto"`, `"operator"` or `"radiosity"`.
+    #[wasm_bindgen(setter)]
+    pub fn set_solver(&self, solver: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_solver(SolverChoice::parse(solver)?);
+            Ok(())
         })
     }
 

@@ -111,7 +111,8 @@ pub fn lamp(position: [f64; 3]) -> Light {
     Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4], radius: 0.0 }
 }
 
-fn link(scene: &mut BakedScene) {
+/// Gives a scene arbitrary links.
+pub fn link(scene: &mut BakedScene) {
     let senders = scene.sender_count() as u32;
     let all = scene.points.len() as u32;
     let random_size = |shift: &dyn Fn(u32) -> f32| (shift(7) * 6.0).exp2() * 0.02;

@@ -19,6 +19,8 @@ use from_sources::{FromSources, FromSourcesPipelines, Groups};
 use plan::{Dispatch, Kernel, LEVEL_THREADS, STRIDE, Step, plan};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
+#[cfg(feature = "radiosity")]
+use std::cell::Cell;
 use std::cell::OnceCell;
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -162,7 +164,10 @@ pub struct Relight {
     plan: Vec<Dispatch>,
     /// Whether bounced light comes from radiosity, which adds the light of sources by itself.
     #[cfg(feature = "radiosity")]
-    is_unlinked: bool,
+    by_radiosity: Cell<bool>,
+    /// Whether the file has links.
+    #[cfg(feature = "radiosity")]
+    is_linked: bool,
     own: Scope,
 }
 
@@ -222,7 +227,9 @@ impl Relight {
             groups,
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             #[cfg(feature = "radiosity")]
-            is_unlinked: scene.is_unlinked(),
+            by_radiosity: scene.is_unlinked().into(),
+            #[cfg(feature = "radiosity")]
+            is_linked: !scene.is_unlinked(),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[&upload.points, &irradiance, &sent]),
             transport: by_chunk(&upload.links, &|rows, links| {
@@ -307,6 +314,8 @@ impl Relight {
     /// Sets all light at the points to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.display, 0, None);
+        #[cfg(feature = "radiosity")]
+        encoder.clear_buffer(&self.irradiance, 0, None);
         encoder.clear_buffer(&self.levels, 0, None);
     }
 
@@ -328,7 +337,7 @@ impl Relight {
         for (i, dispatch) in self.plan.iter().enumerate() {
             let (pipeline, bind) = match dispatch.kernel {
                 #[cfg(feature = "radiosity")]
-                Kernel::Show if self.is_unlinked => continue,
+                kernel if self.by_radiosity.get() && kernel.is_bounced() => continue,
                 Kernel::Direct if lights.is_none() => continue,
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
@@ -360,6 +369,21 @@ impl Relight {
 
 #[cfg(feature = "radiosity")]
 impl Relight {
+    /// Whether the file has links, or the light of a fixed solution.
+    pub fn is_linked(&self) -> bool {
+        self.is_linked
+    }
+
+    /// Whether bounced light comes from radiosity: only direct light is computed here then.
+    pub fn is_by_radiosity(&self) -> bool {
+        self.by_radiosity.get()
+    }
+
+    /// Sets whether bounced light comes from radiosity. Returns whether that is a change.
+    pub fn set_by_radiosity(&self, on: bool) -> bool {
+        self.by_radiosity.replace(on) != on
+    }
+
     /// Adds the light straight from the sources to what is displayed: after radiosity has written bounced light there.
     pub fn show_sources(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = encoder.begin_compute_pass(&Default::default());

@@ -58,6 +58,15 @@ pub(super) enum Kernel {
     Show,
 }
 
+#[cfg(feature = "radiosity")]
+impl Kernel {
+    /// Whether it computes bounced light from links, or shows it.
+    pub(super) fn is_bounced(self) -> bool {
+        use Kernel::{Bounce, Lift, Send, Short, Show, Transport};
+        matches!(self, Send | Transport(_) | Short(_) | Bounce | Lift | Show)
+    }
+}
+
 /// One dispatch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dispatch {
