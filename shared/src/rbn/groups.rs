@@ -13,6 +13,9 @@ use super::RbnError;
 use super::limits::MAX_BYTES;
 #[cfg(feature = "radiosity")]
 use super::limits::sane;
+#[cfg(feature = "radiosity")]
+use super::node_tracks;
+use super::node_tracks::NodeAnimation;
 use bincode::{Decode, Encode};
 
 /// Greatest number of groups besides group 0: a number has ten bits beside a function's.
@@ -29,6 +32,8 @@ pub struct Groups {
     pub groups: Vec<Group>,
     /// Mean share of light that goes through each material; materials beyond the end are opaque.
     pub transmittance: Vec<f32>,
+    /// Keyframes of the nodes.
+    pub animations: Vec<NodeAnimation>,
     /// Group of each material, section `MGRP`; materials beyond the end are of group 0. Empty where there is no other.
     pub of_material: Vec<u32>,
 }
@@ -92,17 +97,20 @@ pub fn encode(groups: &Groups) -> Result<Option<Vec<u8>>, RbnError> {
     if *groups == Groups::default() {
         return Ok(None);
     }
-    let Groups { nodes, groups, transmittance, .. } = groups;
-    let bytes = bincode::encode_to_vec((nodes, groups, transmittance), bincode::config::standard());
+    let Groups { nodes, groups, transmittance, animations, .. } = groups;
+    let record = (nodes, groups, transmittance, animations);
+    let bytes = bincode::encode_to_vec(record, bincode::config::standard());
     let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
     bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!("names of nodes that may move need over {MAX_BYTES} bytes: shorten them"))
+        RbnError::TooLarge(format!(
+            "names and keyframes of nodes that may move need over {MAX_BYTES} bytes: shorten them"
+        ))
     })
 }
 
 /// Contents of section `RGRP`.
 #[cfg(feature = "radiosity")]
-type GroupRecord = (Vec<Node>, Vec<Group>, Vec<f32>);
+type GroupRecord = (Vec<Node>, Vec<Group>, Vec<f32>, Vec<NodeAnimation>);
 
 /// Decodes section `RGRP`, for materials of these groups; the caller checks it.
 ///
@@ -112,8 +120,8 @@ type GroupRecord = (Vec<Node>, Vec<Group>, Vec<f32>);
 pub fn decode(bytes: &[u8], of_material: Vec<u32>) -> Result<Groups, RbnError> {
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     match bincode::decode_from_slice::<GroupRecord, _>(bytes, config) {
-        Ok(((nodes, groups, transmittance), used)) if used == bytes.len() => {
-            Ok(Groups { nodes, groups, transmittance, of_material })
+        Ok(((nodes, groups, transmittance, animations), used)) if used == bytes.len() => {
+            Ok(Groups { nodes, groups, transmittance, animations, of_material })
         }
         Ok((_, used)) => {
             Err(RbnError::invalid("RGRP", format!("{} bytes are left over", bytes.len() - used)))
@@ -149,7 +157,8 @@ pub(crate) fn check(
         && groups.of_material.len() <= materials
         && groups.of_material.iter().all(is_group)
         && groups.transmittance.len() <= materials
-        && groups.transmittance.iter().all(|share| (0.0..=1.0).contains(share));
+        && groups.transmittance.iter().all(|share| (0.0..=1.0).contains(share))
+        && groups.animations.iter().all(|animation| node_tracks::is_sound(animation, groups.nodes.len()));
     if !sound {
         return Err(RbnError::invalid("RGRP", "a group, or a node that may move"));
     }

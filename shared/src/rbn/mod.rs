@@ -21,6 +21,7 @@ pub mod light_groups;
 pub mod limits;
 mod matrix;
 pub mod meta;
+pub mod node_tracks;
 pub mod shown;
 pub mod sources;
 mod texture;

@@ -9,6 +9,7 @@ use crate::scene::GpuScene;
 use crate::scene::moving::Moving;
 use crate::scene::radiosity::RadiosityPipelines;
 use rebounce_shared::motion::NodeMotion;
+use rebounce_shared::rbn::node_tracks::NodeAnimation;
 
 /// Receivers that are looked at in the first slice of a solution.
 const FIRST_SLICE: u32 = 256;
@@ -77,6 +78,11 @@ impl Renderer {
     /// Names of the nodes that may move.
     pub fn node_names(&self) -> Vec<String> {
         self.moving().map_or(Vec::new(), |moving| moving.names().map(str::to_owned).collect())
+    }
+
+    /// Names of the nodes, and the file's keyframes of them.
+    pub fn node_animations(&self) -> (Vec<String>, Vec<NodeAnimation>) {
+        (self.node_names(), self.moving().map_or(Vec::new(), |moving| moving.animations().to_vec()))
     }
 
     /// Motions of these nodes, in their order.

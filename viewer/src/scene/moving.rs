@@ -14,6 +14,7 @@ use rebounce_shared::motion::{Motions, NodeMotion, world_motions};
 use rebounce_shared::radiosity::RadiositySettings;
 use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::groups::{Groups, Node};
+use rebounce_shared::rbn::node_tracks::NodeAnimation;
 use std::cell::{Cell, RefCell};
 use wgpu::BufferUsages;
 
@@ -103,6 +104,11 @@ impl Moving {
     /// Names of the nodes that may move.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.file.groups.nodes.iter().map(|node| node.name.as_str())
+    }
+
+    /// Keyframes of the nodes.
+    pub fn animations(&self) -> &[NodeAnimation] {
+        &self.file.groups.animations
     }
 
     /// Motions of the nodes, in the order of their names.

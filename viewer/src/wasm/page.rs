@@ -34,24 +34,31 @@ pub fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
     object.into()
 }
 
-/// `{ name, duration, tracks }`.
-pub fn animation(animation: &meta::Animation) -> JsValue {
-    let tracks: js_sys::Array = animation
-        .tracks
-        .iter()
-        .map(|track| {
-            object([
-                ("light", track.light.into()),
-                ("property", track.property.name().into()),
-                ("interpolation", track.interpolation.name().into()),
-                ("times", js_sys::Float32Array::from(&track.times[..]).into()),
-                ("values", js_sys::Float32Array::from(&track.values[..]).into()),
-            ])
-        })
-        .collect();
+/// A track of an animation: of a `light` by its number, or a `node` by its name.
+pub fn track(
+    target: (&str, JsValue),
+    property: &str,
+    interpolation: meta::Interpolation,
+    [times, values]: [&[f32]; 2],
+) -> JsValue {
     object([
-        ("name", animation.name.as_str().into()),
-        ("duration", animation.duration.into()),
-        ("tracks", tracks.into()),
+        target,
+        ("property", property.into()),
+        ("interpolation", interpolation.name().into()),
+        ("times", js_sys::Float32Array::from(times).into()),
+        ("values", js_sys::Float32Array::from(values).into()),
     ])
+}
+
+/// The tracks of an animation of lights.
+pub fn tracks(animation: &meta::Animation) -> js_sys::Array {
+    let of_light = |t: &meta::Track| {
+        track(("light", t.light.into()), t.property.name(), t.interpolation, [&t.times, &t.values])
+    };
+    animation.tracks.iter().map(of_light).collect()
+}
+
+/// `{ name, duration, tracks }`.
+pub fn animation(name: &str, duration: f32, tracks: js_sys::Array) -> JsValue {
+    object([("name", name.into()), ("duration", duration.into()), ("tracks", tracks.into())])
 }

@@ -1,6 +1,8 @@
 //! Results of the class [`Viewer`]: pictures, counts, statistics, animations.
 
-use super::page::{animation, promise};
+use super::page::promise;
+#[cfg(not(feature = "radiosity"))]
+use super::page::{animation, tracks};
 use super::viewer::Viewer;
 use super::wire;
 use crate::renderer::Renderer;
@@ -54,12 +56,18 @@ impl Viewer {
         self.state.borrow_mut().renderer.stats().json()
     }
 
-    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`, times and values in typed arrays.
+    /// The scene's own animations of lights and nodes: a list of `{ name, duration, tracks }`, times and values in typed
+    /// arrays.
     #[wasm_bindgen(unchecked_return_type = "Animation[]")]
     pub fn animations(&self) -> js_sys::Array {
         let state = self.state.borrow();
         let animations = state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations);
-        animations.iter().map(animation).collect()
+        #[cfg(feature = "radiosity")]
+        let animations = super::nodes::with_nodes(animations, state.renderer.node_animations());
+        #[cfg(not(feature = "radiosity"))]
+        let animations =
+            animations.iter().map(|own| animation(&own.name, own.duration, tracks(own))).collect();
+        animations
     }
 
     /// Work counts of the last picture's bounced light: pixels, pixels with a lookup, functions tested, kernels

@@ -1,6 +1,7 @@
-//! Conversion of keyframes of nodes and lights to world-space keyframes of the scene's lights.
+//! Conversion of keyframes of nodes and lights to world-space keyframes of the scene's lights, and of nodes that may move.
 
 use super::node::{PlacedNode, placement};
+use super::node_animation;
 use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -11,6 +12,7 @@ use gltf::json::validation::Checked;
 use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
+use rebounce_shared::rbn::node_tracks::NodeAnimation;
 
 /// Sampling rate, keys per second, of a light path that is not straight between keys: rotated, or moved by several
 /// nodes.
@@ -101,17 +103,22 @@ fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
 
 /// Animation curves of a node.
 #[derive(Default)]
-struct Motion {
+pub(super) struct Motion {
     translation: Option<Curve<3>>,
     rotation: Option<Curve<4>>,
     scale: Option<Curve<3>>,
 }
 
 impl Motion {
-    fn curves(&self) -> impl Iterator<Item = (Kind, &[f64])> {
+    pub(super) fn curves(&self) -> impl Iterator<Item = (Kind, &[f64])> {
         let translation = self.translation.iter().map(|c| (c.kind, c.times.as_slice()));
         let rotation = self.rotation.iter().map(|c| (c.kind, c.times.as_slice()));
         translation.chain(rotation).chain(self.scale.iter().map(|c| (c.kind, c.times.as_slice())))
+    }
+
+    /// Whether it changes the node's size.
+    pub(super) fn scales(&self) -> bool {
+        self.scale.is_some()
     }
 
     fn pose(&self, rest: Pose, time: f64) -> Pose {
@@ -123,15 +130,24 @@ impl Motion {
     }
 }
 
-/// Returns the animations that move `lights`, in scene order: index of the light's node in `nodes`, and the glTF light.
-/// Animations of geometry are left out: the bake holds still geometry.
+/// What animations may move.
+pub(super) struct Animated<'a> {
+    /// Nodes of the scene.
+    pub(super) nodes: &'a [PlacedNode],
+    /// Lights in scene order: index of the light's node in `nodes`, and the glTF light.
+    pub(super) lights: &'a [(usize, usize)],
+    /// Of each node, its place among those that may move.
+    pub(super) places: &'a [Option<u32>],
+}
+
+/// Returns the animations of lights, and of nodes that may move. Those of other geometry are left out: the bake holds it still.
 pub(super) fn animations(
     source: &Source,
-    nodes: &[PlacedNode],
-    lights: &[(usize, usize)],
+    animated: &Animated,
     left_out: &mut Vec<String>,
-) -> Result<Vec<Animation>, SceneError> {
-    let mut out = Vec::new();
+) -> Result<(Vec<Animation>, Vec<NodeAnimation>), SceneError> {
+    let Animated { nodes, lights, places } = *animated;
+    let (mut out, mut of_nodes) = (Vec::new(), Vec::new());
     for (a, animation) in source.root.animations.iter().enumerate() {
         let name = animation.name.clone().filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| format!("animation {a}"));
@@ -160,14 +176,59 @@ pub(super) fn animations(
         for (light, &(place, kind)) in lights.iter().enumerate() {
             tracks.extend(way(source, nodes, &motions, light, place, kind));
         }
-        if tracks.is_empty() {
-            left_out.push(format!("{name:?}: it moves no light, and the bake holds still geometry"));
+        let moving = node_animation::tracks(source, nodes, &motions, places);
+        if nodes
+            .iter()
+            .zip(&motions)
+            .zip(places)
+            .any(|((_, motion), place)| place.is_some() && motion.scales())
+        {
+            left_out.push(format!("{name:?}: nodes that may move keep their size"));
+        }
+        if tracks.is_empty() && moving.is_empty() {
+            left_out.push(format!(
+                "{name:?}: it moves no light, and nodes stand still but those named with --group, or with --solver radiosity"
+            ));
             continue;
         }
-        let duration = tracks.iter().filter_map(|t| t.times.last()).fold(0.0f32, |a, &b| a.max(b));
-        out.push(Animation { name, duration, tracks });
+        let latest = |times: &mut dyn Iterator<Item = &Vec<f32>>| {
+            times.filter_map(|times| times.last()).fold(0.0f32, |a, b| a.max(*b))
+        };
+        if !moving.is_empty() {
+            let duration = latest(&mut moving.iter().map(|track| &track.times));
+            of_nodes.push(NodeAnimation { name: name.clone(), duration, tracks: moving });
+        }
+        if !tracks.is_empty() {
+            let duration = latest(&mut tracks.iter().map(|track| &track.times));
+            out.push(Animation { name, duration, tracks });
+        }
     }
-    Ok(out)
+    Ok((out, of_nodes))
+}
+
+/// Times of all keys along a chain of nodes, rising.
+pub(super) fn key_times(motions: &[Motion], chain: &[usize]) -> Vec<f64> {
+    let curves = chain.iter().flat_map(|&p| motions[p].curves());
+    let mut times: Vec<f64> = curves.flat_map(|(_, times)| times.iter().copied()).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+/// World matrix of the first node of a chain, which goes up to the root, at a time.
+pub(super) fn world_at(
+    source: &Source,
+    nodes: &[PlacedNode],
+    motions: &[Motion],
+    chain: &[usize],
+    time: f64,
+) -> DMat4 {
+    chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
+        let rest = &source.exact.nodes[nodes[p].index];
+        let still = motions[p].curves().next().is_none();
+        let local = if still { rest.local() } else { motions[p].pose(rest.pose(), time).matrix() };
+        parent * local
+    })
 }
 
 /// Returns the tracks of a light moved by nodes: position unless directional, direction unless a point light.
@@ -181,9 +242,7 @@ fn way(
 ) -> Vec<Track> {
     let chain: Vec<usize> = std::iter::successors(Some(place), |&p| nodes[p].parent).collect();
     let curves = || chain.iter().flat_map(|&p| motions[p].curves());
-    let mut times: Vec<f64> = curves().flat_map(|(_, times)| times.iter().copied()).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
+    let mut times = key_times(motions, &chain);
     if times.is_empty() {
         return Vec::new();
     }
@@ -194,17 +253,8 @@ fn way(
     if !step && !straight {
         fill(&mut times);
     }
-    let worlds: Vec<DMat4> = times
-        .iter()
-        .map(|&time| {
-            chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
-                let rest = &source.exact.nodes[nodes[p].index];
-                let still = motions[p].curves().next().is_none();
-                let local = if still { rest.local() } else { motions[p].pose(rest.pose(), time).matrix() };
-                parent * local
-            })
-        })
-        .collect();
+    let worlds: Vec<DMat4> =
+        times.iter().map(|&time| world_at(source, nodes, motions, &chain, time)).collect();
     let interpolation = if step { Interpolation::Step } else { Interpolation::Linear };
     let kind = source.lights.get(kind).map_or("", |l| l.kind.as_str());
     let track = |property, value: fn(&DMat4) -> [f64; 3]| {
@@ -263,7 +313,7 @@ fn keys<const W: usize>(
 }
 
 /// Adds keys between the first and the last of the ascending `times`.
-fn fill(times: &mut Vec<f64>) {
+pub(super) fn fill(times: &mut Vec<f64>) {
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return };
     let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
     times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));

@@ -11,13 +11,13 @@ use crate::scene::groups::{MaterialGroup, NodeGroups};
 use glam::DVec3;
 use rebounce_shared::rbn::groups::{Group, MAX_DENSITY, MAX_GROUPS, Node};
 
-/// Returns the groups of nodes, and the group of each node in the order of `nodes`.
+/// Returns the groups of nodes, the group of each node in the order of `nodes`, and its place among those that may move.
 pub(super) fn of_nodes(
     source: &Source,
     nodes: &[PlacedNode],
     options: &LoadOptions,
     told: &mut Told,
-) -> (NodeGroups, Vec<u32>) {
+) -> (NodeGroups, Vec<u32>, Vec<Option<u32>>) {
     let densities: Vec<Option<f32>> =
         nodes.iter().map(|node| density(source, node, &options.groups, told)).collect();
     let (holders, is_full) = holders(source, nodes, |i| options.all_nodes_move || densities[i].is_some());
@@ -56,7 +56,7 @@ pub(super) fn of_nodes(
         out.nodes.push(Node { name, parent, origin: origin.to_array() });
     }
     let of_node = holders.iter().map(|holder| holder.map_or(0, |holder| groups[holder])).collect();
-    (out, of_node)
+    (out, of_node, places)
 }
 
 /// The groups by material that are wanted: names that no group of nodes has.

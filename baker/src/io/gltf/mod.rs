@@ -31,6 +31,7 @@ mod merge;
 mod mesh;
 mod meshopt;
 mod node;
+mod node_animation;
 mod notes;
 mod picture;
 mod place;
@@ -117,7 +118,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
     let light_groups = light_group::names(source, &nodes, &options.light_groups, &mut told);
-    let (node_groups, of_node) = groups::of_nodes(source, &nodes, options, &mut told);
+    let (node_groups, of_node, places) = groups::of_nodes(source, &nodes, options, &mut told);
     let grouped_nodes = Nodes { nodes: &nodes, light_groups, groups: &node_groups, of_node };
     let seen = place_all(source, &grouped_nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
@@ -162,7 +163,11 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
             scene.camera_names.push(node::camera_name(source, node));
         }
     }
-    scene.animations = animation::animations(source, &nodes, &moved, &mut scene.left_out)?;
+    let moved = animation::Animated { nodes: &nodes, lights: &moved, places: &places };
+    (scene.animations, scene.groups.animations) = animation::animations(source, &moved, &mut scene.left_out)?;
+    if scene.groups.is_empty() {
+        scene.groups.animations.clear();
+    }
     told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
     told.notes.extend(source.notes());
     scene.left_out = grouped(scene.left_out);

@@ -1,5 +1,6 @@
 mod lenient;
 mod meshes;
+mod node_animation;
 mod rest;
 mod told;
 
