@@ -11,14 +11,13 @@ import type { RebounceEventMap } from "./element/events.js";
 import { Failure } from "./wire/failure.js";
 import type { PlayOptions } from "./animation/player.js";
 import { mixIn, setMix } from "./wire/mix.js";
-import type { Camera, Channel, Light, NamedCamera, Shot } from "./wire/shot.js";
+import type { Camera, Channel, Light, NamedCamera, Nodes, Shot } from "./wire/shot.js";
 import { restoreState, stateLink } from "./element/state.js";
-import type { Nodes } from "./wire/nodes.js";
 import type { Counts, Stats } from "./wire/stats.js";
 import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, shotIn, statsIn } from "./wire/wire.js";
 
-export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation/animation.js";
-export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./element/attributes.js";
+export type { AnimatedProperty, LightAnimation, LightTrack, NodeTrack } from "./animation/animation.js";
+export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, SolverChoice, ToneMapping } from "./element/attributes.js";
 export type { RebounceEventMap } from "./element/events.js";
 export type { PlayOptions } from "./animation/player.js";
 export type {
@@ -30,14 +29,17 @@ export type {
   EnvironmentLight,
   Light,
   NamedCamera,
+  NodeMove,
+  Nodes,
   PointLight,
+  Quaternion,
   RectangleLight,
+  SceneNode,
   Shot,
   SphereLight,
   SpotLight,
   Triple,
 } from "./wire/shot.js";
-export type { Nodes, SceneNode } from "./wire/nodes.js";
 export type { Counts, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */
@@ -110,7 +112,11 @@ export class RebounceViewer extends AttributeElement {
 
   /** The nodes that may move, by their names; what is set of one moves it, and light follows. Nothing where none may. */
   get nodes(): Nodes {
-    return this.loaded ? this.#engine.use((viewer) => (viewer as { nodes?: Nodes }).nodes ?? {}) : {};
+    return this.loaded ? this.#engine.use((viewer) => viewer.moving?.nodes ?? {}) : {};
+  }
+  set nodes(nodes: Nodes) {
+    const own = this.nodes;
+    for (const name in nodes) Object.assign(own[name] ?? {}, nodes[name]);
   }
 
   /** Puts a light into the list, last or at a place; its place. Throws where no scene is loaded. */

@@ -1,4 +1,4 @@
-/** Keyframes of lights: their form, and the lights at a moment. Pure functions, no state. */
+/** Keyframes of lights and nodes: their form, and the lights at a moment. Pure functions, no state. */
 
 import { Failure } from "../wire/failure.js";
 import type { Light, Triple } from "../wire/shot.js";
@@ -10,6 +10,7 @@ export type AnimatedProperty = "position" | "direction" | "intensity" | "color";
 export interface LightTrack {
   /** Which light: its place in the list, from 0. */
   light: number;
+  node?: undefined;
   property: AnimatedProperty;
   /** When the keys are, seconds, rising. */
   times: number[];
@@ -19,18 +20,34 @@ export interface LightTrack {
   interpolation?: "linear" | "step";
 }
 
+/** One property of one node over time. */
+export interface NodeTrack {
+  /** Which node: its name. */
+  node: string;
+  light?: undefined;
+  property: "translation" | "rotation";
+  /** When the keys are, seconds, rising. */
+  times: number[];
+  /** The keys' values one after the other: three numbers a key, four of a quaternion for a rotation. */
+  values: number[];
+  /** How it goes from key to key; linear when absent. Rotations turn at an even pace, the shorter way. */
+  interpolation?: "linear" | "step";
+}
+
 /** Tracks that are played together. */
 export interface LightAnimation {
   name: string;
   /** Seconds. */
   duration: number;
-  tracks: LightTrack[];
+  tracks: (LightTrack | NodeTrack)[];
 }
 
-const PROPERTIES: readonly unknown[] = ["position", "direction", "intensity", "color"];
+type Track = LightTrack | NodeTrack;
 
-/** Numbers a key. */
-const width = (property: AnimatedProperty) => (property === "intensity" ? 1 : 3);
+/** Properties of lights and of nodes, and their numbers a key. */
+const LIGHT = { position: 3, direction: 3, intensity: 1, color: 3 };
+const NODE = { translation: 3, rotation: 4 };
+const WIDTH = { ...LIGHT, ...NODE };
 
 /** A copy of a list of animations from anywhere. Throws a `Failure` with the code `bad-json` and what is wrong. */
 export function checkedAnimations(value: unknown): LightAnimation[] {
@@ -43,22 +60,25 @@ export function checkedAnimations(value: unknown): LightAnimation[] {
   });
 }
 
-function track(value: unknown, at: string): LightTrack {
-  const { light, property, times, values, interpolation = "linear" } = object(value, at);
-  if (!(Number.isInteger(light) && (light as number) >= 0)) bad(`${at}.light must be a light's place in the list, from 0`);
-  if (!PROPERTIES.includes(property)) bad(`${at}.property must be one of ${PROPERTIES.join(", ")}`);
+function track(value: unknown, at: string): Track {
+  const { light, node, property, times, values, interpolation = "linear" } = object(value, at);
+  const isNode = typeof node === "string";
+  if (!isNode && !(Number.isInteger(light) && (light as number) >= 0)) bad(`${at}.light must be a light's place in the list, from 0`);
+  const properties = isNode ? NODE : LIGHT;
+  if (!Object.hasOwn(properties, property as string)) bad(`${at}.property must be one of ${Object.keys(properties).join(", ")}`);
   if (interpolation !== "linear" && interpolation !== "step") bad(`${at}.interpolation must be linear or step`);
   const keys = numbers(times, `${at}.times`);
   const flat = numbers(values, `${at}.values`);
-  const what = property as AnimatedProperty;
+  const what = property as Track["property"];
+  const width = WIDTH[what];
   if (keys.length === 0) bad(`${at}.times must hold a key at least`);
   if (keys.some((time, i) => i > 0 && time < (keys[i - 1] as number))) bad(`${at}.times must rise`);
-  if (flat.length !== keys.length * width(what)) {
-    bad(`${at}.values must hold ${keys.length * width(what)} numbers, ${width(what)} a key; it holds ${flat.length}`);
+  if (flat.length !== keys.length * width) {
+    bad(`${at}.values must hold ${width} numbers a key; it holds ${flat.length} for ${keys.length}`);
   }
-  const signed = what === "position" || what === "direction";
-  if (!signed && flat.some((x) => x < 0)) bad(`${at}.values must not be negative`);
-  return { light: light as number, property: what, times: keys, values: flat, interpolation };
+  const unsigned = what === "intensity" || what === "color";
+  if (unsigned && flat.some((x) => x < 0)) bad(`${at}.values must not be negative`);
+  return { ...(isNode ? { node } : { light }), property: what, times: keys, values: flat, interpolation } as Track;
 }
 
 const finite = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
@@ -84,9 +104,9 @@ function bad(what: string): never {
 }
 
 /** The value of a track at a time, seconds: its first key's before it, its last key's after it. */
-export function valueAt(track: LightTrack, time: number): number[] {
+export function valueAt(track: Track, time: number): number[] {
   const { times, values, property } = track;
-  const size = width(property);
+  const size = WIDTH[property];
   const key = (i: number) => values.slice(i * size, (i + 1) * size);
   let after = times.findIndex((t) => t > time);
   if (after < 0) after = times.length;
@@ -94,7 +114,10 @@ export function valueAt(track: LightTrack, time: number): number[] {
   if (after === 0 || after === times.length || track.interpolation === "step") return key(before);
   const [from, to] = [times[before] as number, times[after] as number];
   const share = (time - from) / (to - from);
-  return (property === "direction" ? turned : mixed)(key(before), key(after), share);
+  const [a, b] = [key(before), key(after)];
+  // Of a rotation, the quaternion with the other sign may be nearer.
+  if (property === "rotation") return turned(dot(a, b) < 0 ? a.map((x) => -x) : a, b, share);
+  return (property === "direction" ? turned : mixed)(a, b, share);
 }
 
 const mixed = (a: number[], b: number[], share: number) => a.map((x, i) => x + ((b[i] as number) - x) * share);
@@ -125,7 +148,7 @@ function unit(v: number[]): number[] {
 export function lightsAt(lights: readonly Light[], animation: LightAnimation, time: number): Light[] {
   const result = lights.map((light) => ({ ...light }) as Record<string, unknown>);
   for (const track of animation.tracks) {
-    const light = result[track.light];
+    const light = result[track.light ?? -1];
     if (!light || !(track.property in light)) continue;
     const value = valueAt(track, time);
     light[track.property] = track.property === "intensity" ? value[0] : value;
@@ -135,8 +158,8 @@ export function lightsAt(lights: readonly Light[], animation: LightAnimation, ti
 
 /** Whether what the animation moves is the same in both lists. */
 export function agrees(animation: LightAnimation, a: readonly Light[], b: readonly Light[]): boolean {
-  const text = (lights: readonly Light[], { light, property }: LightTrack) =>
-    JSON.stringify((lights[light] as Partial<Record<AnimatedProperty, unknown>> | undefined)?.[property]);
+  const text = (lights: readonly Light[], { light = -1, property }: Track) =>
+    JSON.stringify((lights[light] as Partial<Record<string, unknown>> | undefined)?.[property]);
   return animation.tracks.every((track) => text(a, track) === text(b, track));
 }
 
@@ -146,6 +169,6 @@ export function shifted(animations: readonly LightAnimation[], index: number, by
     ...animation,
     tracks: animation.tracks
       .filter(({ light }) => by > 0 || light !== index)
-      .map((track) => (track.light >= index ? { ...track, light: track.light + by } : track)),
+      .map((track) => ((track.light ?? -1) >= index ? ({ ...track, light: (track.light as number) + by } as Track) : track)),
   }));
 }

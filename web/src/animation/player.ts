@@ -1,6 +1,7 @@
 /** Plays one animation of lights at a time. */
 
-import { agrees, lightsAt, type LightAnimation } from "./animation.js";
+import { agrees, lightsAt, valueAt, type LightAnimation } from "./animation.js";
+import type { Moving } from "../nodes/moving.js";
 import type { Light } from "../wire/shot.js";
 
 /** The longest step between two frames that is believed, seconds: after a pause of the page nothing jumps. */
@@ -19,6 +20,8 @@ export interface PlayerHost {
   /** Reads or writes the lights; nothing while no scene is loaded. */
   readLights(): Light[] | undefined;
   writeLights(lights: Light[]): void;
+  /** Nodes that may move, where the scene has some. */
+  moving(): Moving | undefined;
   /** The name of the wanted animation. */
   animationName(): string;
   tell(type: "play" | "pause" | "finished", detail: { name: string }): void;
@@ -34,8 +37,9 @@ export class Player {
   /** Times still to play, this one included. */
   #left = Infinity;
   #lastMs: number | undefined;
-  /** The lights as this player left them. */
+  /** The lights as this player left them, and the nodes. */
   #written: Light[] | undefined;
+  #nodes: string | undefined;
 
   constructor(host: PlayerHost) {
     this.#host = host;
@@ -118,7 +122,7 @@ export class Player {
 
   #touched(animation: LightAnimation): boolean {
     const now = this.#host.readLights();
-    return this.#written !== undefined && !agrees(animation, now ?? [], this.#written);
+    return this.#written !== undefined && (this.#nodes !== this.#host.moving()?.state(animation) || !agrees(animation, now ?? [], this.#written));
   }
 
   #write(): void {
@@ -127,5 +131,7 @@ export class Player {
     if (!lights || !animation) return;
     this.#host.writeLights(lightsAt(lights, animation, this.#time));
     this.#written = this.#host.readLights();
+    this.#host.moving()?.play(animation, (track) => valueAt(track, this.#time));
+    this.#nodes = this.#host.moving()?.state(animation);
   }
 }

@@ -6,6 +6,8 @@ import { ElementBase } from "./element.js";
 export type Mode = "all" | "direct" | "indirect";
 /** What is drawn over the picture. */
 export type Overlay = "none" | "points" | "levels";
+/** What computes bounced light: what suits the scene as it stands, the file's operator, or radiosity. */
+export type SolverChoice = "auto" | "operator" | "radiosity";
 /** What is behind an object: a grey and the object's shadow on the ground, or black. */
 export type Backdrop = "auto" | "none";
 /** What pointers and keys do: all once the element has the focus, all, leave scrolling to the page, or nothing. */
@@ -24,6 +26,7 @@ const ALLOWED = {
   interaction: ["auto", "all", "page", "none"],
   "tone-mapping": ["agx", "neutral"],
   display: ["auto", "lookup", "splat"],
+  solver: ["auto", "operator", "radiosity"],
   backdrop: ["auto", "none"],
   detail: ["on", "off"],
   "camera-controls": ["auto", "look", "orbit"],
@@ -53,6 +56,7 @@ export class AttributeElement extends ElementBase {
     "mode",
     "overlay",
     "display",
+    "solver",
     "environment",
     "environment-rotation",
     "environment-intensity",
@@ -173,6 +177,14 @@ export class AttributeElement extends ElementBase {
   }
   set display(way: Display) {
     this.setAttribute("display", way);
+  }
+
+  /** What computes bounced light; files have what it takes for one or for both. */
+  get solver(): SolverChoice {
+    return among(this, "solver");
+  }
+  set solver(name: SolverChoice) {
+    this.setAttribute("solver", name);
   }
 
   /** Address of a picture of all directions (.hdr or .exr), which lights the scene and is seen behind it; empty for the file's own. */

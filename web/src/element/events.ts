@@ -1,6 +1,6 @@
 /** The element's events. */
 
-import type { Camera, Channel, Light } from "../wire/shot.js";
+import type { Camera, Channel, Light, Nodes } from "../wire/shot.js";
 
 /** Events of the element, by name. */
 export interface RebounceEventMap {
@@ -16,6 +16,10 @@ export interface RebounceEventMap {
   "camera-change": CustomEvent<{ camera: Camera }>;
   /** The lights have changed, by hand, by script or by an animation. */
   "light-change": CustomEvent<{ lights: Light[] }>;
+  /** Nodes have moved, by hand, by script or by an animation. */
+  "node-change": CustomEvent<{ nodes: Nodes }>;
+  /** Something else computes bounced light: what moves is lit by radiosity, and the operator returns. */
+  "solver-change": CustomEvent<{ solver: "operator" | "radiosity" }>;
   /** The light mixer has changed, by hand or by script. */
   "mix-change": CustomEvent<{ mix: Channel[] }>;
   /** The pointer is over another light's handle, or over none: -1. */

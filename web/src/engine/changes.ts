@@ -29,6 +29,7 @@ export class Changes {
     this.#mix = mix;
     if (moved) tell(target, "camera-change", { camera: cameraIn(viewer) });
     if (lit) tell(target, "light-change", { lights: lightsIn(viewer) });
+    viewer.moving?.look(target);
     if (mixed) tell(target, "mix-change", { mix: mixIn(viewer) });
     const { hoveredLight, selectedLight } = viewer;
     if (this.#hovered !== hoveredLight) tell(target, "light-hover", { light: (this.#hovered = hoveredLight) });

@@ -21,8 +21,7 @@ import { closeViewer, openViewer, surfaceIn, type SessionHost } from "./session.
 import { Size } from "../element/size.js";
 import { restoreState } from "../element/state.js";
 import { Tree } from "../element/tree.js";
-import { mixIn } from "../wire/mix.js";
-import { begin, cameraIn, lightsIn, setLights } from "../wire/wire.js";
+import { begin, lightsIn, setLights, shotIn } from "../wire/wire.js";
 
 /** One element's engine. */
 export class Engine {
@@ -72,6 +71,7 @@ export class Engine {
     this.player = new Player({
       readLights: () => (this.ready ? this.use(lightsIn) : undefined),
       writeLights: (lights) => this.use((viewer) => setLights(viewer, lights)),
+      moving: () => (this.ready ? this.use(({ moving }) => moving) : undefined),
       animationName: () => element.animationName,
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
@@ -339,8 +339,8 @@ export class Engine {
   /** What is shown is to come back with the next file. */
   #keep(): void {
     const viewer = this.#viewer as Viewer;
-    const [camera, lights, mix, { animations }] = [cameraIn(viewer), lightsIn(viewer), mixIn(viewer), this.player];
-    this.pending = this.#kept = { camera, lights, mix, animations, measured: viewer.measured };
+    const { camera, lights, mix = [], move } = shotIn(viewer);
+    this.pending = this.#kept = { camera, lights, mix, animations: this.player.animations, measured: viewer.measured, move };
     this.#returning = true;
   }
 

@@ -11,7 +11,7 @@ const MOST = 100;
 /** Events by which a control of the panel changes something. */
 const CONTROLS = ["keydown", "click", "dblclick", "input", "change"];
 
-/** Camera and lights as JSON, attributes as they are, animations by reference: equal values are the same. */
+/** Camera, lights and nodes as JSON, attributes as they are, animations by reference: equal values are the same. */
 type State = Record<string, string | null | LightAnimation[]>;
 /** What has changed, before and after. */
 type Step = Record<string, [before: State[string], after: State[string]]>;
@@ -122,11 +122,12 @@ export class History {
   }
 
   #state(): State {
-    const { camera, lights, mix } = this.#element;
+    const { camera, lights, mix, nodes } = this.#element;
     const settings = SETTINGS.map((name) => [name, this.#element.getAttribute(name)]);
     return {
       lights: JSON.stringify(lights),
       mix: JSON.stringify(mix),
+      nodes: JSON.stringify(nodes),
       animations: this.#player.animations,
       camera: JSON.stringify(camera),
       ...(Object.fromEntries(settings) as State),
@@ -136,7 +137,7 @@ export class History {
   #set(name: string, value: State[string]): void {
     const element = this.#element;
     if (name === "animations") this.#player.animations = value as LightAnimation[];
-    else if (["lights", "camera", "mix"].includes(name)) Object.assign(element, { [name]: JSON.parse(value as string) });
+    else if (["lights", "camera", "mix", "nodes"].includes(name)) Object.assign(element, { [name]: JSON.parse(value as string) });
     else if (value === null) element.removeAttribute(name);
     else element.setAttribute(name, value as string);
   }
@@ -149,7 +150,7 @@ export class History {
     const after = this.#state();
     const step: Step = {};
     for (const name of Object.keys(before)) {
-      if (before[name] === after[name] || (playing && name === "lights")) continue;
+      if (before[name] === after[name] || (playing && ["lights", "nodes"].includes(name))) continue;
       step[name] = [before[name] as State[string], after[name] as State[string]];
     }
     if (Object.keys(step).length === 0) return;

@@ -1,6 +1,7 @@
 /** The renderer's wasm modules, each loaded once for all elements of a page. */
 
-import init, { Viewer } from "../rebounce_viewer.js";
+import init, { Viewer as Linked } from "../rebounce_viewer.js";
+import type { Moving } from "../nodes/moving.js";
 import { Failure, wanted } from "../wire/failure.js";
 
 /** The build writes the hash of the wasm file here, so that no other one is run. */
@@ -10,6 +11,9 @@ let loading: Promise<unknown> | undefined;
 
 /** Whether a file's bounced light comes not from links alone: its table of sections names others (docs/format/rbn.md). */
 export const wantsRadiosity = (file: Uint8Array): boolean => /LGRP|[MR]GRP|REFL/.test(String.fromCharCode(...file.subarray(32, 2080)));
+
+/** A viewer; that of all files has nodes that move, too. */
+export type Viewer = Linked & { moving?: Moving };
 
 /** Makes a viewer on a canvas, of all files or of those with links alone. Rejects with an error whose `code` says what is missing. */
 export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean): Promise<Viewer> {
@@ -21,7 +25,7 @@ export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean
         : "WebGPU needs a secure page: open this one over https, or from localhost.",
     );
   }
-  if (radiosity) return (await wanted(import("../radiosity.js"), "renderer of radiosity")).createViewer(canvas);
+  if (radiosity) return (await wanted(import("../radiosity.js"), "renderer of radiosity")).createViewer(canvas) as unknown as Promise<Viewer>;
   loading ??= init({ module_or_path: fetch(new URL("rebounce_viewer_bg.wasm", import.meta.url), { integrity: WASM }) });
   try {
     await loading;
@@ -31,8 +35,6 @@ export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean
       cause: error,
     });
   }
-  return Viewer.create(canvas);
+  return Linked.create(canvas);
 }
-
-export type { Viewer };
 

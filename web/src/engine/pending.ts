@@ -18,21 +18,24 @@ export interface Pending {
   repetitions?: number;
   /** The exposure that the scene began with. */
   measured?: number;
+  /** Where nodes were. */
+  move?: Shot["move"] | undefined;
 }
 
 /** Hands over camera, lights and exposure. Throws what the viewer refuses. */
-export function handOver(viewer: Viewer, { shot, camera, lights, mix, measured }: Pending): void {
+export function handOver(viewer: Viewer, { shot, camera, lights, mix, measured, move }: Pending): void {
   if (shot) setShot(viewer, shot);
   if (camera) viewer.setCamera(cameraNumbers(camera));
   if (lights) setLights(viewer, lights);
   if (mix) setMix(viewer, mix);
+  if (move) viewer.moving?.move(move);
   if (measured) viewer.measured = measured;
 }
 
 /** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
-  const { detail, exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction, cameraControls, backgroundBlur } = element;
+  const { detail, exposure, autoExposure, toneMapping, mode, overlay, display, solver, handles, interaction, cameraControls, backgroundBlur } = element;
   const backdrop = element.backdrop === "auto";
   const gizmos = handles && interaction !== "none";
-  Object.assign(viewer, { detail, exposure, autoExposure, toneMapping, mode, overlay, display, backdrop, gizmos, cameraControls, backgroundBlur });
+  Object.assign(viewer, { detail, exposure, autoExposure, toneMapping, mode, overlay, display, solver, backdrop, gizmos, cameraControls, backgroundBlur });
 }

@@ -54,6 +54,26 @@ export interface Channel {
   color?: Triple;
 }
 
+/** A rotation: x, y, z, w. */
+export type Quaternion = [number, number, number, number];
+
+/** A node that may move: how it has been moved from where the file has it, about its own origin, world space. */
+export interface SceneNode {
+  /** Shift. */
+  translation: Triple;
+  /** Turn, before the shift. */
+  rotation: Quaternion;
+}
+
+/** Nodes by their names. */
+export type Nodes = Record<string, SceneNode>;
+
+/** Motion of a node, as SHOT.json has it. */
+export interface NodeMove extends Partial<SceneNode> {
+  /** Turn about the world's y axis, degrees, after `rotation`; counterclockwise seen from above. */
+  rotation_y_deg?: number;
+}
+
 /** Camera and lights together: what SHOT.json holds. */
 export interface Shot {
   camera: Camera;
@@ -62,6 +82,8 @@ export interface Shot {
   mix?: Channel[];
   /** Factor of the emission of all surfaces that shine; 1 when absent. */
   emission?: number;
+  /** Motions of nodes by their names; other nodes are where the file has them. */
+  move?: Record<string, NodeMove>;
   /** Width and height of the picture, pixels; the element keeps its own size. */
   size?: [number, number];
 }

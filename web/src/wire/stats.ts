@@ -6,6 +6,10 @@ export interface Stats {
   adapter: string;
   /** The scene's name. */
   scene: string;
+  /** What computes bounced light: the file's operator, or radiosity. */
+  solver: "operator" | "radiosity";
+  /** Whether radiosity is on its way to what lights and nodes are now. */
+  solving: boolean;
   /** How the last picture's light got from functions to pixels. */
   display: "lookup" | "splat";
   /** Milliseconds of each pass when it last ran; absent where the device cannot time. */

@@ -142,13 +142,17 @@ export function setLights(viewer: Viewer, lights: readonly Light[]): void {
 /** The present shot, without a size. */
 export function shotIn(viewer: Viewer): Shot {
   const mix = mixIn(viewer);
-  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }) };
+  const move = viewer.moving?.moves;
+  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }), ...(move && { move }) };
 }
 
 /** Sets camera, lights and mix, or none. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
-  const { emission = 1, mix = [] } = member("shot", shot) as unknown as Shot;
+  const { emission = 1, mix = [], move } = member("shot", shot) as unknown as Shot;
   if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
+  const { moving } = viewer;
+  if (move && !moving) throw wrong("move", "nothing of this file can move");
+  moving?.check(move ?? {});
   const before = mixIn(viewer);
   const lights = completed(viewer, shot);
   setMix(viewer, mix);
@@ -158,6 +162,7 @@ export function setShot(viewer: Viewer, shot: Shot): void {
     setMix(viewer, before);
     throw error;
   }
+  moving?.move(move ?? {});
   keepTexts(viewer, lights);
 }
 
@@ -179,9 +184,10 @@ export function statsIn(viewer: Viewer): Stats {
     functions: number[];
     microseconds: Record<string, number>;
     bytes: Record<string, number>;
-    counts: Omit<Stats, "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes">;
+    counts: Omit<Stats, "solver" | "solving" | "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes">;
   };
   const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
   const display = viewer.displayed() as Stats["display"];
-  return { adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, functions, bytes, ...counts };
+  const { solver = "operator", solving = false } = viewer as unknown as Partial<Pick<Stats, "solver" | "solving">>;
+  return { solver, solving, adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, functions, bytes, ...counts };
 }
