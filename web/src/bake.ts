@@ -18,7 +18,7 @@ const MOST = 8;
  * Bakes a scene; resolves with the .rbn file. It has the bytes of `rebounce bake` with the same preset and seed. Rejects with an error whose message is a sentence, and with the signal's reason when that aborts.
  */
 export async function bake(scene: SceneFile, options: BakeOptions = {}): Promise<Uint8Array> {
-  const { preset, seed, functions, workers, name, files = {}, onProgress, onPreview, onWarning, onReport, signal } = checked(options);
+  const { preset, seed, functions, solver, groups, workers, name, files = {}, onProgress, onPreview, onWarning, onReport, signal } = checked(options);
   signal?.throwIfAborted();
   const module = compiled();
   const named = "name" in scene && typeof scene.name === "string" ? scene.name : "scene.glb";
@@ -29,7 +29,7 @@ export async function bake(scene: SceneFile, options: BakeOptions = {}): Promise
     size,
     path,
     files: [[path, await bytesOf(scene)], ...(await Promise.all(beside))],
-    options: JSON.stringify({ preset, seed, functions: functions ?? null, previews: onPreview !== undefined }),
+    options: JSON.stringify({ preset, seed, functions: functions ?? null, radiosity: solver === "radiosity", groups: Object.entries(groups ?? {}), previews: onPreview !== undefined }),
     module: await module,
   };
   const threads: Thread<Start>[] = [];

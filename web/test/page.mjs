@@ -24,6 +24,7 @@ import { loading } from "./page/loading.mjs";
 import { memory } from "./page/memory.mjs";
 import { mixer } from "./page/mixer.mjs";
 import { modules } from "./page/modules.mjs";
+import { nodes } from "./page/nodes.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
 import { panelLights } from "./page/panel-lights.mjs";
@@ -47,7 +48,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky, nodes,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide, three,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -56,8 +56,9 @@ pub trait Observer: Sync {
         false
     }
 
-    /// Returns whether to call [`Self::preview`] with a scene without bounced light, as soon as there are points.
-    fn wants_direct_light(&self) -> bool {
+    /// Returns whether to call [`Self::preview`] with a scene without links, for radiosity, as soon as there are points. All
+    /// workers of a bake must say the same.
+    fn wants_points(&self) -> bool {
         false
     }
 

@@ -6,7 +6,7 @@ use super::observer::{Observer, Preview};
 use super::placed::{ClippedPoints, PlacedLevel};
 use super::stand_in::Staged;
 use super::tracker::Tracker;
-use super::{BakeError, BakeReport, BakeSettings};
+use super::{BakeError, BakeReport, BakeSettings, BakeSolver};
 use crate::basis::{Relations, relate};
 use crate::geometry::Surfaces;
 use crate::job::Job;
@@ -18,7 +18,7 @@ use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
 use crate::transport::sources::{SourceGather, SourceLinks};
-use crate::transport::{Operator, Problem, Solver};
+use crate::transport::{Operator, Problem, Solver, Unlinked};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
@@ -84,15 +84,18 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             settings: &settings.operator,
         };
         let is_first = self.job.communicator.rank() == 0;
-        if is_first && self.observer.wants_direct_light() {
-            let unlinked = Operator::without_links(points.points.len());
-            let file = self.file(&settings, &points, &relations, &unlinked, SourceLinks::default());
-            self.observer.preview(Preview { file, levels: 0 });
-        }
         let mut job = Job { reporter: &Quiet(watch), ..Job::default() };
         if !self.job.communicator.is_blocking() {
             // All workers of a page know what it wants; other processes do not know what process 0's observer wants.
             job.communicator = self.job.communicator;
+        }
+        if self.observer.wants_points() {
+            let unlinked = Unlinked.solve(&problem, &job, &mut |_, _| Ok(())).await?;
+            if is_first {
+                let settings = BakeSettings { solver: BakeSolver::Radiosity, ..settings.clone() };
+                let file = self.file(&settings, &points, &relations, &unlinked, SourceLinks::default());
+                self.observer.preview(Preview { file, levels: 0 });
+            }
         }
         let operator = solver.solve(&problem, &job, &mut |_, _| Ok(())).await?;
         let groups = emissive_groups(self.scene);

@@ -18,7 +18,7 @@ impl Observer for PageObserver {
         self.wants_previews
     }
 
-    fn wants_direct_light(&self) -> bool {
+    fn wants_points(&self) -> bool {
         self.wants_previews
     }
 

@@ -1,6 +1,7 @@
 //! What a page asks for.
 
-use rebounce::bake::{BakeSettings, Preset};
+use rebounce::bake::{BakeSettings, BakeSolver, Preset};
+use rebounce::io::{GroupOption, LoadOptions};
 use serde::Deserialize;
 
 /// Options of a bake, as JSON; all workers of a bake get the same.
@@ -13,6 +14,10 @@ pub struct PageOptions {
     seed: u64,
     /// Functions on the finest level, if not those of the preset.
     functions: Option<usize>,
+    /// Whether the file's bounced light is computed by radiosity, and not from links.
+    radiosity: bool,
+    /// Reconstruction groups: names of nodes and materials, and their densities.
+    groups: Vec<(String, f32)>,
     /// Whether previews are shown.
     #[serde(default)]
     pub previews: bool,
@@ -27,6 +32,16 @@ impl PageOptions {
         serde_json::from_str(json).map_err(|error| format!("the options of the bake: {error}"))
     }
 
+    /// How the scene is read.
+    pub fn load_options(&self) -> LoadOptions {
+        let group = |(name, density): &(String, f32)| GroupOption { name: name.clone(), density: *density };
+        LoadOptions {
+            all_nodes_move: self.radiosity,
+            groups: self.groups.iter().map(group).collect(),
+            ..LoadOptions::default()
+        }
+    }
+
     /// Returns the settings of the bake.
     ///
     /// # Errors
@@ -38,6 +53,9 @@ impl PageOptions {
             format!("there is no preset {:?}: use \"draft\", \"standard\" or \"fine\"", self.preset)
         })?;
         let mut settings = BakeSettings::new(preset);
+        if self.radiosity {
+            settings.solver = BakeSolver::Radiosity;
+        }
         settings.place.seed = self.seed;
         settings.operator.seed = self.seed;
         settings.sources.seed = self.seed;

@@ -7,7 +7,7 @@ use super::workers::Workers;
 use js_sys::Uint8Array;
 use rebounce::bake::{BakeError, Baker};
 use rebounce::io::files::Memory;
-use rebounce::io::{LoadOptions, load_from};
+use rebounce::io::load_from;
 use std::path::Path;
 use wasm_bindgen::prelude::*;
 
@@ -70,7 +70,7 @@ pub async fn bake(
     set_host(&host);
     let options = PageOptions::read(&options).map_err(|error| JsError::new(&error))?;
     let settings = options.settings().map_err(|error| JsError::new(&error))?;
-    let scene = load_from(&files.files, Path::new(&path), &LoadOptions::default())?;
+    let scene = load_from(&files.files, Path::new(&path), &options.load_options())?;
     drop(files);
     scene.left_out.iter().for_each(|problem| host.warn(&format!("left out: {problem}")));
     scene.notes.iter().for_each(|note| host.warn(note));

@@ -68,14 +68,14 @@ export async function bakeInto({ element, files, signal, setProgress, show, keep
 
 async function baked(
   { name, file, files }: Scene,
-  { preset }: RebounceViewer,
+  { preset, solver }: RebounceViewer,
   signal: AbortSignal,
   onPreview: (file: Uint8Array) => void,
   onProgress: (progress: RebounceEventMap["bake-progress"]["detail"]) => void,
 ): Promise<Uint8Array> {
   try {
     const onWarning = (sentence: string) => console.warn(`<rebounce-viewer>: ${name}: ${sentence}`);
-    return await bake(file, { preset, name, files, signal, onPreview, onProgress, onWarning });
+    return await bake(file, { preset, solver: solver === "radiosity" ? solver : "operator", name, files, signal, onPreview, onProgress, onWarning });
   } catch (error) {
     signal.throwIfAborted();
     throw new Failure("bake", error instanceof Error ? error.message : String(error), { cause: error });

@@ -18,6 +18,10 @@ export interface BakeOptions {
   seed?: number;
   /** About how many functions the finest level has; the preset's when absent. */
   functions?: number;
+  /** What bounced light is computed from: links of things that stand still, or points alone, so that nodes may move; "operator" when absent. */
+  solver?: "operator" | "radiosity";
+  /** Reconstruction groups: nodes and materials by name, each with the number of functions for an area relative to other surfaces. Nodes among them may move. */
+  groups?: Readonly<Record<string, number>>;
   /** Number of workers; as many as there are processor cores, and at most 8, when absent. */
   workers?: number;
   /** The file's name, which the .rbn file keeps; that of a `File`, otherwise "scene.glb", when absent. */
@@ -37,14 +41,22 @@ export interface BakeOptions {
 }
 
 const PRESETS = ["draft", "standard", "fine"];
-/** Most functions, as the format's; most workers: each has a scene in memory. */
-const MOST = { functions: 1 << 24, workers: 64, seed: Number.MAX_SAFE_INTEGER };
+/** Most functions, as the format's; largest density of a group, in either direction; most workers: each has a scene in memory. */
+const MOST = { functions: 1 << 24, density: 1024, workers: 64, seed: Number.MAX_SAFE_INTEGER };
 
 /** Returns the options with defaults. Throws a `TypeError` for what is none. */
 export function checked(options: BakeOptions): BakeOptions & { preset: string; seed: number } {
   const { preset = "draft", seed = 1 } = options;
   if (!PRESETS.includes(preset)) {
     throw new TypeError(`bake: there is no preset ${JSON.stringify(preset)}; there are "draft", "standard" and "fine"`);
+  }
+  if (options.solver !== undefined && !["operator", "radiosity"].includes(options.solver)) {
+    throw new TypeError(`bake: there is no solver ${JSON.stringify(options.solver)}; there are "operator" and "radiosity"`);
+  }
+  for (const [name, density] of Object.entries(options.groups ?? {})) {
+    if (!(density >= 1 / MOST.density && density <= MOST.density)) {
+      throw new TypeError(`bake: the density of group ${name} is a number from 1/${MOST.density} to ${MOST.density}, not ${String(density)}`);
+    }
   }
   for (const [name, value, least] of [["seed", seed, 0], ["functions", options.functions, 1], ["workers", options.workers, 1]] as const) {
     if (value !== undefined && !(Number.isInteger(value) && value >= least && value <= MOST[name])) {

@@ -85,28 +85,26 @@ pub(super) fn tracks(
         // Keys at equal times in f32 are one.
         let kept: Vec<usize> =
             (0..times.len()).filter(|&k| k == 0 || times[k] as f32 > times[k - 1] as f32).collect();
-        let track = |property, value: &dyn Fn(&(DQuat, DVec3)) -> Vec<f64>| {
-            let values: Vec<Vec<f32>> =
-                kept.iter().map(|&k| value(&keys[k]).into_iter().map(|x| x as f32).collect()).collect();
-            let rests = values
-                .iter()
-                .all(|own| own.iter().zip(&rest_of(property)).all(|(a, b)| (a - b).abs() < 1e-6));
-            let values = values.concat();
-            let times: Vec<f32> = kept.iter().map(|&k| times[k] as f32).collect();
-            let is_sound = values.iter().all(|x| x.abs() < LARGEST);
-            (!rests && is_sound).then_some(NodeTrack { node, property, interpolation, times, values })
-        };
-        out.extend(track(NodeProperty::Translation, &|(_, shift)| shift.to_array().to_vec()));
-        let upper = |turn: DQuat| if turn.w < 0.0 { -turn } else { turn };
-        out.extend(track(NodeProperty::Rotation, &|(turn, _)| upper(*turn).to_array().to_vec()));
+        let times: Vec<f32> = kept.iter().map(|&k| times[k] as f32).collect();
+        let (mut shifts, mut turns) = (Vec::new(), Vec::new());
+        for k in kept {
+            let (turn, shift) = keys[k];
+            let turn = if turn.w < 0.0 { -turn } else { turn };
+            shifts.extend(shift.to_array().map(|x| x as f32));
+            turns.extend(turn.to_array().map(|x| x as f32));
+        }
+        for (property, values) in [(NodeProperty::Translation, shifts), (NodeProperty::Rotation, turns)] {
+            let is_at_rest = |(i, x): (usize, &f32)| (x - rest_of(property, i)).abs() < 1e-6;
+            let moves = !values.iter().enumerate().all(is_at_rest);
+            if moves && values.iter().all(|x| x.abs() < LARGEST) {
+                out.push(NodeTrack { node, property, interpolation, times: times.clone(), values });
+            }
+        }
     }
     out
 }
 
-/// Values of a node that is where the file has it.
-fn rest_of(property: NodeProperty) -> Vec<f32> {
-    match property {
-        NodeProperty::Translation => vec![0.0; 3],
-        NodeProperty::Rotation => vec![0.0, 0.0, 0.0, 1.0],
-    }
+/// Number `i` of keys of a node that is where the file has it.
+fn rest_of(property: NodeProperty, i: usize) -> f32 {
+    if property == NodeProperty::Rotation && i % 4 == 3 { 1.0 } else { 0.0 }
 }
