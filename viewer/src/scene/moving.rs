@@ -8,7 +8,7 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::buffer;
 use crate::gpu::scope::Scope;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::motion::{Motions, NodeMotion, world_motions};
 use rebounce_shared::radiosity::RadiositySettings;
@@ -42,21 +42,33 @@ pub fn points(scope: &Scope, scene: &BakedScene) -> wgpu::Buffer {
     buffer(scope, "moved points", storage, bytemuck::cast_slice(&scene.points))
 }
 
-/// Returns the middle of the points of each node and of those below it, world space; of a node without points its origin.
+/// Returns the middle of the surfaces of each node and of those below it, world space; of a node without any its origin.
 fn middles(scene: &BakedScene) -> Vec<DVec3> {
     let Groups { nodes, .. } = &scene.groups;
-    let mut bounds = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; nodes.len()];
-    for (i, point) in scene.points.iter().enumerate() {
-        let mut node = scene.groups.node_of(scene.group_of(i));
-        while let Some(place) = node {
-            let at = point.position().as_dvec3();
-            let [low, high] = &mut bounds[place as usize];
-            (*low, *high) = (low.min(at), high.max(at));
-            node = nodes[place as usize].parent;
+    let mut bounds = vec![[Vec3::INFINITY, Vec3::NEG_INFINITY]; nodes.len()];
+    for (i, draw) in scene.meta.draws.iter().enumerate() {
+        let Some(node) = scene.groups.node_of(scene.groups.of_material(draw.material)) else { continue };
+        let first = draw.first_index as usize;
+        let indices = &scene.indices[first..first + draw.index_count as usize];
+        for copy in scene.copies_of(i) {
+            let place = scene.instances[copy].local_from_model();
+            for &index in indices {
+                let at = place.transform_point3(scene.vertices[index as usize].position.into());
+                let [low, high] = &mut bounds[node as usize];
+                (*low, *high) = (low.min(at), high.max(at));
+            }
         }
     }
-    let middle = |(node, [low, high]): (&Node, [DVec3; 2])| match low.cmple(high).all() {
-        true => 0.5 * (low + high) + DVec3::from(scene.meta.origin),
+    // Parents come before children.
+    for i in (0..nodes.len()).rev() {
+        if let Some(parent) = nodes[i].parent {
+            let [low, high] = bounds[i];
+            let above = &mut bounds[parent as usize];
+            *above = [above[0].min(low), above[1].max(high)];
+        }
+    }
+    let middle = |(node, [low, high]): (&Node, [Vec3; 2])| match low.cmple(high).all() {
+        true => (0.5 * (low + high)).as_dvec3() + DVec3::from(scene.meta.origin),
         false => node.origin.into(),
     };
     nodes.iter().zip(bounds).map(middle).collect()
