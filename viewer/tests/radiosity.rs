@@ -63,7 +63,7 @@ fn linked_room() -> BakedScene {
         nodes: vec![node],
         groups: vec![Group { name: "panel".into(), density: 1.0, node: Some(0) }],
         of_material: (0..=material).map(|i| u32::from(i == material)).collect(),
-        transmittance: Vec::new(),
+        ..Groups::default()
     };
     scene.reflectance = (0..scene.points.len()).map(|i| 100 + (i % 80) as u8).collect();
     scene.relate().unwrap();

@@ -5,6 +5,7 @@
 //! all directions around the picture's middle.
 
 use super::Stage;
+use super::shape::{Shape, radius};
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
@@ -18,23 +19,6 @@ const MIDDLE: [f32; 2] = [0.9, 0.99];
 const MAP: f32 = 0.42;
 /// Colour of selected handles.
 const ACCENT: [f32; 4] = [1.0, 0.7, 0.33, 0.95];
-
-/// A shape to draw, canvas pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
-    /// Its centre.
-    pub centre: [f32; 2],
-    /// Radius; half the width of a line.
-    pub radius: f32,
-    /// Radius of the hole; 0 for none.
-    pub hole: f32,
-    /// Length of a line; 0 for a disc.
-    pub length: f32,
-    /// Direction of a line, radians.
-    pub angle: f32,
-    /// Display RGB and alpha.
-    pub color: [f32; 4],
-}
 
 /// A handle of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,11 +113,6 @@ pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)
 
 fn handles(stage: &Stage) -> impl Iterator<Item = Handle> + '_ {
     (0..stage.lights.len()).flat_map(|light| [Handle { light, aim: true }, Handle { light, aim: false }])
-}
-
-/// Radius of a handle, pixels, in a picture of this size.
-pub(super) fn radius(size: [u32; 2]) -> f32 {
-    (size[1] as f32 / 75.0).clamp(5.0, 18.0)
 }
 
 /// Shapes of all lights' handles.

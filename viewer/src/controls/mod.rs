@@ -15,6 +15,7 @@ pub mod node_drag;
 #[cfg(feature = "radiosity")]
 pub mod node_gizmo;
 pub mod orbit;
+pub mod shape;
 pub mod sun;
 pub mod surroundings;
 
@@ -242,7 +243,7 @@ impl Controls {
         };
         let Pointer { at: before, start, button, .. } = self.pointers[i];
         self.pointers[i].at = at;
-        let slack = 0.5 * f64::from(gizmo::radius(stage.size));
+        let slack = 0.5 * f64::from(shape::radius(stage.size));
         self.dragged |= (at[0] - start[0]).hypot(at[1] - start[1]) > slack;
         let delta = [at[0] - before[0], at[1] - before[1]];
         let height = stage.size[1].max(1) as f64;

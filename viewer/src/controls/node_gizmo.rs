@@ -1,7 +1,7 @@
 //! Handles of nodes that may move: a disc at the middle of what the node moves, and a knob on a ring around it that turns it.
 
 use super::Stage;
-use super::gizmo::{Shape, radius};
+use super::shape::{Shape, radius};
 use glam::{DQuat, DVec3, Vec2};
 use rebounce_shared::motion::NodeMotion;
 

@@ -1,6 +1,6 @@
 //! Overlays on the picture: the basis's points, and the lights' handles.
 
-use crate::controls::gizmo::Shape;
+use crate::controls::shape::Shape;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{
     Draw, Slot, attachment, blended, buffer, depth_attachment, empty_buffer, group, layout,

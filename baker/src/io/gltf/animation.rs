@@ -1,134 +1,15 @@
 //! Conversion of keyframes of nodes and lights to world-space keyframes of the scene's lights, and of nodes that may move.
 
+use super::keyframes::{Curve, Motion, fill, key_times, straight, world_at};
 use super::node::{PlacedNode, placement};
 use super::node_animation;
-use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
-use glam::{DMat4, DQuat};
-use gltf::json::accessor::Type;
+use glam::DMat4;
 use gltf::json::animation::{Interpolation as Kind, Sampler};
-use gltf::json::validation::Checked;
-use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
 use rebounce_shared::rbn::node_tracks::NodeAnimation;
-
-/// Sampling rate, keys per second, of a light path that is not straight between keys: rotated, or moved by several
-/// nodes.
-const KEYS_A_SECOND: f64 = 30.0;
-/// Maximum number of keys that resampling adds to a track.
-const MOST_KEYS: usize = 1 << 16;
-
-/// Keys of a sampler: times in seconds, and values of `W` numbers.
-struct Curve<const W: usize> {
-    kind: Kind,
-    times: Vec<f64>,
-    /// One value per key; for splines three: in-tangent, value, out-tangent.
-    values: Vec<[f64; W]>,
-}
-
-impl<const W: usize> Curve<W> {
-    fn read(source: &Source, sampler: &Sampler, what: &str) -> Result<Self, SceneError> {
-        let kind = match sampler.interpolation {
-            Checked::Valid(kind) => kind,
-            Checked::Invalid => {
-                let known = "glTF has STEP, LINEAR and CUBICSPLINE";
-                return Err(source.malformed(format!("{what} has an unknown interpolation: {known}")));
-            }
-        };
-        let times = source.read::<1>(sampler.input.value(), Type::Scalar, &format!("input of {what}"))?;
-        let shape = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][W - 1];
-        let values = source.read::<W>(sampler.output.value(), shape, &format!("output of {what}"))?;
-        let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
-        let largest = f64::from(LARGEST);
-        let finite = times.iter().chain(values.iter().flatten()).all(|x| x.abs() < largest);
-        let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
-        let each = if kind == Kind::CubicSpline { 3 } else { 1 };
-        if !finite || !ordered || values.len() != each * times.len() {
-            return Err(source.malformed(format!(
-                "{what} has keys that are out of order, missing, not finite or far too large"
-            )));
-        }
-        Ok(Self { kind, times, values })
-    }
-
-    /// Returns the value at `time`, clamped to the first and last key (glTF 2.0, 3.11).
-    fn at(&self, time: f64, between: impl Fn([f64; W], [f64; W], f64) -> [f64; W]) -> [f64; W] {
-        let value = |k: usize| self.values[if self.kind == Kind::CubicSpline { 3 * k + 1 } else { k }];
-        let next = self.times.partition_point(|&t| t <= time);
-        if next == 0 || next == self.times.len() {
-            return value(next.saturating_sub(1));
-        }
-        let (k, step) = (next - 1, self.times[next] - self.times[next - 1]);
-        let s = (time - self.times[k]) / step;
-        match self.kind {
-            Kind::Step => value(k),
-            Kind::Linear => between(value(k), value(next), s),
-            // glTF 2.0, appendix C.5.
-            Kind::CubicSpline => {
-                let (leaving, arriving) = (self.values[3 * k + 2], self.values[3 * next]);
-                let (a, b) = (value(k), value(next));
-                let (s2, s3) = (s * s, s * s * s);
-                std::array::from_fn(|c| {
-                    (2.0 * s3 - 3.0 * s2 + 1.0) * a[c]
-                        + step * (s3 - 2.0 * s2 + s) * leaving[c]
-                        + (3.0 * s2 - 2.0 * s3) * b[c]
-                        + step * (s3 - s2) * arriving[c]
-                })
-            }
-        }
-    }
-}
-
-fn straight<const W: usize>(a: [f64; W], b: [f64; W], s: f64) -> [f64; W] {
-    std::array::from_fn(|c| a[c] + s * (b[c] - a[c]))
-}
-
-fn around(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
-    let [a, b] = [a, b].map(|q| DQuat::from_array(q).normalize());
-    if a.is_finite() && b.is_finite() { slerp(a, b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
-}
-
-/// Spherical linear interpolation of unit quaternions the shorter way round (Shoemake 1985).
-fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
-    let cosine = a.dot(b);
-    let (cosine, b) = if cosine < 0.0 { (-cosine, -b) } else { (cosine, b) };
-    if cosine > 1.0 - f64::EPSILON {
-        return (a * (1.0 - s) + b * s).normalize();
-    }
-    let angle = cosine.arc_cosine();
-    (a * ((1.0 - s) * angle).sine() + b * (s * angle).sine()) * angle.sine().recip()
-}
-
-/// Animation curves of a node.
-#[derive(Default)]
-pub(super) struct Motion {
-    translation: Option<Curve<3>>,
-    rotation: Option<Curve<4>>,
-    scale: Option<Curve<3>>,
-}
-
-impl Motion {
-    pub(super) fn curves(&self) -> impl Iterator<Item = (Kind, &[f64])> {
-        let translation = self.translation.iter().map(|c| (c.kind, c.times.as_slice()));
-        let rotation = self.rotation.iter().map(|c| (c.kind, c.times.as_slice()));
-        translation.chain(rotation).chain(self.scale.iter().map(|c| (c.kind, c.times.as_slice())))
-    }
-
-    /// Whether it changes the node's size.
-    pub(super) fn scales(&self) -> bool {
-        self.scale.is_some()
-    }
-
-    fn pose(&self, rest: Pose, time: f64) -> Pose {
-        Pose {
-            translation: self.translation.as_ref().map_or(rest.translation, |c| c.at(time, straight)),
-            rotation: self.rotation.as_ref().map_or(rest.rotation, |c| c.at(time, around)),
-            scale: self.scale.as_ref().map_or(rest.scale, |c| c.at(time, straight)),
-        }
-    }
-}
 
 /// What animations may move.
 pub(super) struct Animated<'a> {
@@ -204,31 +85,6 @@ pub(super) fn animations(
         }
     }
     Ok((out, of_nodes))
-}
-
-/// Times of all keys along a chain of nodes, rising.
-pub(super) fn key_times(motions: &[Motion], chain: &[usize]) -> Vec<f64> {
-    let curves = chain.iter().flat_map(|&p| motions[p].curves());
-    let mut times: Vec<f64> = curves.flat_map(|(_, times)| times.iter().copied()).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    times
-}
-
-/// World matrix of the first node of a chain, which goes up to the root, at a time.
-pub(super) fn world_at(
-    source: &Source,
-    nodes: &[PlacedNode],
-    motions: &[Motion],
-    chain: &[usize],
-    time: f64,
-) -> DMat4 {
-    chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
-        let rest = &source.exact.nodes[nodes[p].index];
-        let still = motions[p].curves().next().is_none();
-        let local = if still { rest.local() } else { motions[p].pose(rest.pose(), time).matrix() };
-        parent * local
-    })
 }
 
 /// Returns the tracks of a light moved by nodes: position unless directional, direction unless a point light.
@@ -310,15 +166,6 @@ fn keys<const W: usize>(
     let interpolation = if curve.kind == Kind::Step { Interpolation::Step } else { Interpolation::Linear };
     let values = times.iter().flat_map(value).collect();
     (property, interpolation, times.iter().map(|&t| t as f32).collect(), values)
-}
-
-/// Adds keys between the first and the last of the ascending `times`.
-pub(super) fn fill(times: &mut Vec<f64>) {
-    let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return };
-    let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
-    times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
-    times.sort_by(f64::total_cmp);
-    times.dedup();
 }
 
 /// Removes keys at equal times in f32.

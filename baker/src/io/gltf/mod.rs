@@ -24,6 +24,7 @@ mod extensions;
 mod groups;
 mod image_based;
 mod instances;
+mod keyframes;
 mod light;
 mod light_group;
 mod material;

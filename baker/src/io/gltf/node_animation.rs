@@ -3,7 +3,7 @@
 //! A node turns about its own origin and is shifted, world space, after what the nearest movable node above has done
 //! ([`NodeMotion`](rebounce_shared::motion::NodeMotion)).
 
-use super::animation::{Motion, fill, key_times, world_at};
+use super::keyframes::{Motion, fill, key_times, world_at};
 use super::node::PlacedNode;
 use super::source::Source;
 use glam::{DMat3, DMat4, DQuat, DVec3};
