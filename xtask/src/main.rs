@@ -1,10 +1,11 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`,
 //! `plot-estimate`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
 mod bench_bake;
 mod bench_kernels;
+mod bench_radiosity;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
@@ -66,6 +67,8 @@ cargo xtask bench-bake [--scene FILE] [--preset NAME] [--rounds N]
                      times bakes beside the rays that they cast, and with one thread; Sponza at standard, three times
 cargo xtask bench-kernels
                      counts the instructions of a bake's kernels; installs valgrind
+cargo xtask bench-radiosity [--functions N] [SCENE ...]
+                     solves scenes in several ways on CPU and GPU, and bakes a vase with and without a group of its own
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
@@ -108,6 +111,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-kernels") => bench_kernels::run(&args[1..]),
+        Some("bench-radiosity") => bench_radiosity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
