@@ -37,9 +37,9 @@ use wgpu::BufferUsages;
 /// Receivers of a slice on the GPU.
 const SLICE: u32 = 1 << 13;
 /// Pictures of the vase: pixels, and paths a pixel.
-const SIZE: [u32; 2] = [192, 144];
-const PATHS: u32 = 512;
-const SAMPLES: u32 = 64;
+const SIZE: [u32; 2] = [128, 96];
+const PATHS: u32 = 256;
+const SAMPLES: u32 = 32;
 
 fn main() -> Result<()> {
     let (mut scenes, mut functions) = (Vec::new(), None);

@@ -99,7 +99,7 @@ impl Moving {
             ..BakedScene::default()
         };
         let nodes = RefCell::new(vec![NodeMotion::default(); file.groups.nodes.len()]);
-        let middles = middles(&file);
+        let middles = middles(scene);
         Ok(Self { file, nodes, middles, solver: solver.into(), is_stale: true.into(), own })
     }
 
