@@ -438,7 +438,10 @@ export class Engine {
   /** Throws `no-scene` where there is none. */
   use<T>(work: (viewer: Viewer) => T): T {
     if (!this.#loaded || !this.#viewer) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
-    return work(this.#viewer);
+    const result = work(this.#viewer);
+    // What changes while a finer file is on its way comes back with that.
+    if (this.#kept) this.#keep();
+    return result;
   }
 
   /** For work where there is a scene, that no caller waits for: what it throws is told, and the picture stays if it can. */

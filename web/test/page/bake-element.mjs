@@ -88,10 +88,12 @@ export async function bakeElement(harness, context) {
         const { camera } = viewer;
         camera.position[0] += 0.05;
         viewer.camera = camera;
-        return { done: steps.some(({ stage }) => stage === "done"), x: viewer.camera.position[0], file: viewer.toRbn() };
+        return { done: steps.some(({ stage }) => stage === "done"), x: viewer.camera.position[0], file: viewer.toRbn(), solver: viewer.stats().solver };
       });
+      equal(early.solver, "radiosity", "what lights the first picture");
       check(!early.done && early.file === undefined, "the first picture came with the finished file");
       check((await baked()).equals(expected), "other bytes");
+      equal(await page.evaluate(() => viewer.stats().solver), "operator", "what lights the last one");
       const late = await page.evaluate(() => ({ steps, atEnd, x: viewer.camera.position[0], loads: events.filter(({ type }) => type === "load").length }));
       equal(late.x, early.x, "the camera after the last file");
       equal(late.atEnd, expected.length, "bytes of the file at the last step");

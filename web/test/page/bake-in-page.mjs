@@ -18,9 +18,10 @@ export async function cornellBox({ work, rebounce, baked }) {
 }
 
 /** Bakes with the command; its bytes. */
-export async function commandBake({ work, rebounce }, file, { preset, functions, seed }) {
+export async function commandBake({ work, rebounce }, file, { preset, functions, seed, solver, groups = {} }) {
   const out = path.join(work, "of-command.rbn");
-  const more = [functions && ["--functions", String(functions)], seed && ["--seed", String(seed)]].filter(Boolean).flat();
+  const single = [functions && ["--functions", String(functions)], seed && ["--seed", String(seed)], solver && ["--solver", solver]];
+  const more = [...single.filter(Boolean).flat(), ...Object.entries(groups).flatMap(([name, density]) => ["--group", `${name}=${density}`])];
   await exec(rebounce, ["bake", file, "--preset", preset, ...more, "-o", out]);
   return readFile(out);
 }
@@ -84,13 +85,28 @@ export async function bakeInPage(harness, context) {
       });
     }
 
+    await harness.test("bake-in-page::points_alone_and_groups_are_those_of_the_command", async () => {
+      const document = JSON.parse(Buffer.from(scene.buffer, 20, new DataView(scene.buffer).getUint32(12, true)).toString("utf8"));
+      const group = document.materials[0].name;
+      for (const more of [{ solver: "radiosity" }, { groups: { [group]: 3 } }]) {
+        const options = { ...SMALL, ...more };
+        const ours = await inPage(page, file, { ...options, workers: 2 });
+        check(ours.equals(await commandBake(context, file, options)), `other bytes: ${JSON.stringify(more)}`);
+        check(!ours.equals(await commandBake(context, file, SMALL)), `those of no option: ${JSON.stringify(more)}`);
+      }
+      for (const [options, says] of [[{ solver: "magic" }, /solver/], [{ groups: { [group]: 0 } }, /density/]]) {
+        const message = await bake(scene, { ...SMALL, ...options, name }).then(() => "baked", (error) => error.message);
+        check(says.test(message), message);
+      }
+    });
+
     await harness.test("bake-in-page::progress_rises_and_previews_come_first", async () => {
       const told = await page.evaluate(
         async ([scene, options]) => {
           const progress = [];
           const previews = [];
           const onProgress = (step) => progress.push(step);
-          const onPreview = (file) => previews.push(String.fromCharCode(...file.subarray(0, 4)));
+          const onPreview = (file) => previews.push(String.fromCharCode(...file.subarray(0, 2080)));
           await bake(bytesOf(scene), { ...options, onProgress, onPreview });
           return { progress, previews };
         },
@@ -102,7 +118,9 @@ export async function bakeInPage(harness, context) {
       check(progress.every(({ ratio }, i) => i === 0 || ratio >= progress[i - 1].ratio), "the ratio falls");
       check(previews.length >= 2, `${previews.length} previews`);
       const magic = String.fromCharCode(...(await readFile(context.baked)).subarray(0, 4));
-      for (const preview of previews) equal(preview, magic, "a preview's first bytes");
+      for (const preview of previews) equal(preview.slice(0, 4), magic, "a preview's first bytes");
+      // The first has points and reflectances, and no links yet: light comes by radiosity.
+      equal(JSON.stringify(previews.map((preview) => preview.includes("REFL"))), JSON.stringify(previews.map((_, i) => i === 0)), "previews for radiosity");
     });
 
     await harness.test("bake-in-page::what_is_no_scene_is_refused_with_a_sentence", async () => {
