@@ -28,7 +28,7 @@ pub mod touched;
 pub mod traversal;
 
 pub use accelerator::{Accelerator, PlacedModels};
-pub use clipping::ClippedFunctions;
+pub use clipping::{ClippedFunctions, Clipping};
 pub use gather::{Gather, Gathered};
 pub use reconstruction::Reconstruction;
 pub use solver::{RadiositySettings, Solution, solve};

@@ -11,50 +11,93 @@ use glam::Vec3;
 /// How far the law of clip planes looks, over the support radius.
 const REACH: f32 = 1.1;
 
-/// Returns the points whose supports a surface of another motion touches, where the file has both or where `motions` have
-/// them; ascending.
-pub fn touched(scene: &BakedScene, accelerator: &Accelerator, motions: &Motions) -> Vec<u32> {
-    if motions.is_empty() {
-        return Vec::new();
-    }
-    let ways = Ways::new(scene.groups.groups.len() as u32 + 1, motions);
-    let places = [Motions::default(), motions.clone()].map(|motions| accelerator.places(scene, &motions));
-    // For each way to move, the models that move otherwise, at rest and now.
-    let others: Vec<[Others<'_>; 2]> = (0..ways.count)
-        .map(|way| {
-            places
-                .each_ref()
-                .map(|places| Others::new(places.iter().filter(|place| ways.of[place.group as usize] != way)))
-        })
-        .collect();
-    let is_touched = |i: &u32| {
-        let i = *i as usize;
-        let [at_rest, now] = &others[ways.of[scene.group_of(i) as usize]];
-        at_rest.touch(accelerator, &Support::new(&scene.points[i]))
-            || now.touch(accelerator, &Support::new(&scene.moved_point(i, motions)))
-    };
-    (0..scene.points.len() as u32).filter(is_touched).collect()
+/// Consecutive points that share a box: those of a level follow a curve that fills space.
+const RUN: usize = 32;
+
+/// Boxes around the supports of a file's points, where the file has them.
+#[derive(Clone, Debug, Default)]
+pub struct SupportBoxes {
+    /// By run of [`RUN`] points, the box of those of the group of the first; points of other groups are in none.
+    runs: Vec<[Vec3; 2]>,
 }
 
-/// Motions that differ from each other.
+impl SupportBoxes {
+    /// Boxes of a scene's points.
+    pub fn new(scene: &BakedScene) -> Self {
+        let around = |(run, points): (usize, &[Point])| {
+            let first = run * RUN;
+            let group = scene.group_of(first);
+            let own = (first..).zip(points).filter(|(i, _)| scene.group_of(*i) == group);
+            own.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], (_, point)| {
+                let Support { centre, half, .. } = Support::new(point);
+                [low.min(centre - half), high.max(centre + half)]
+            })
+        };
+        Self { runs: scene.points.chunks(RUN).enumerate().map(around).collect() }
+    }
+
+    /// Returns the points whose supports are touched by a surface that stands elsewhere, seen from the point, after a motion
+    /// than before it, in either place; ascending.
+    pub fn touched(&self, scene: &BakedScene, accelerator: &Accelerator, motions: [&Motions; 2]) -> Vec<u32> {
+        if motions[0] == motions[1] {
+            return Vec::new();
+        }
+        let ways = Ways::new(scene.groups.groups.len() as u32 + 1, motions);
+        let places = motions.map(|motions| accelerator.places(scene, motions));
+        // For each way to move, the models that move otherwise, before and after.
+        let others: Vec<[Others<'_>; 2]> = (0..ways.all.len())
+            .map(|way| {
+                let is_other = |place: &&ModelPlace| ways.part(way, ways.of[place.group as usize]);
+                places.each_ref().map(|places| Others::new(places.iter().filter(is_other)))
+            })
+            .collect();
+        let is_touched = |i: usize, way: usize| {
+            let [before, after] = motions.map(|motions| Support::new(&scene.moved_point(i, motions)));
+            others[way][0].touch(accelerator, &before) || others[way][1].touch(accelerator, &after)
+        };
+        let mut out = Vec::new();
+        for (run, bounds) in self.runs.iter().enumerate() {
+            let range = run * RUN..scene.points.len().min((run + 1) * RUN);
+            let group = scene.group_of(range.start);
+            let way = ways.of[group as usize];
+            // The box of a run holds where the file has it.
+            let is_far = ways.all[way].iter().all(|motion| !motion.is_moved())
+                && others[way].iter().all(|others| !overlap(*bounds, [others.low, others.high]));
+            for i in range {
+                let own = scene.group_of(i);
+                if !(is_far && own == group) && is_touched(i, ways.of[own as usize]) {
+                    out.push(i as u32);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Ways in which groups move: where each is before and after.
 struct Ways {
-    /// Number of the motion of each group.
+    /// Number of the way of each group.
     of: Vec<usize>,
-    count: usize,
+    all: Vec<[Motion; 2]>,
 }
 
 impl Ways {
-    fn new(groups: u32, motions: &Motions) -> Self {
-        let mut known: Vec<Motion> = Vec::new();
+    fn new(groups: u32, motions: [&Motions; 2]) -> Self {
+        let mut all: Vec<[Motion; 2]> = Vec::new();
         let number = |group: u32| {
-            let motion = motions.of(group);
-            known.iter().position(|other| *other == motion).unwrap_or_else(|| {
-                known.push(motion);
-                known.len() - 1
+            let way = motions.map(|motions| motions.of(group));
+            all.iter().position(|other| *other == way).unwrap_or_else(|| {
+                all.push(way);
+                all.len() - 1
             })
         };
-        let of = (0..groups).map(number).collect();
-        Self { of, count: known.len() }
+        Self { of: (0..groups).map(number).collect(), all }
+    }
+
+    /// Whether two ways to move bring surfaces elsewhere, seen from each other.
+    fn part(&self, a: usize, b: usize) -> bool {
+        let moves = |way: usize| self.all[way][0] != self.all[way][1];
+        a != b && (moves(a) || moves(b))
     }
 }
 

@@ -6,7 +6,8 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::interpolation::Entry;
 use rebounce_shared::radiosity::ClippedFunctions;
 use rebounce_shared::radiosity::clipping::{most_cuts, most_entries};
-use rebounce_shared::rbn::bulk::Cut;
+use rebounce_shared::rbn::bulk::{Cut, Point};
+use std::ops::Range;
 
 /// Bytes that planes, parents and children of a scene need, whatever moves; none beyond the file's where nothing can.
 pub(super) fn room(scene: &BakedScene) -> [usize; 3] {
@@ -18,12 +19,21 @@ pub(super) fn room(scene: &BakedScene) -> [usize; 3] {
 }
 
 /// What of the buffers is not the file's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reclipped {
-    /// Points have other planes or samples.
-    points: bool,
-    /// So have parents and children.
+    /// Points with other planes or samples, ascending.
+    points: Vec<u32>,
+    /// Whether parents and children are others.
     relations: bool,
+}
+
+/// Points that are written with those between them: writes are fewer.
+const GAP: u32 = 1024;
+
+/// Ranges that hold numbers, ascending, and few others.
+fn ranges(numbers: &[u32]) -> impl Iterator<Item = Range<usize>> + '_ {
+    let runs = numbers.chunk_by(|a, b| b - a <= GAP);
+    runs.filter_map(|run| Some(*run.first()? as usize..*run.last()? as usize + 1))
 }
 
 impl Upload {
@@ -35,13 +45,17 @@ impl Upload {
         functions: &ClippedFunctions,
         before: &mut Reclipped,
     ) {
-        let now =
-            Reclipped { points: !functions.renewed.is_empty(), relations: functions.relations.is_some() };
-        if now.points || before.points {
-            gpu.queue.write_buffer(&self.points, 0, bytemuck::cast_slice(&functions.points));
-            let first = scene.cuts.len();
-            let offset = (first * size_of::<Cut>()) as u64;
-            gpu.queue.write_buffer(&self.cuts, offset, bytemuck::cast_slice(&functions.cuts[first..]));
+        let now = Reclipped { points: functions.renewed.clone(), relations: functions.relations.is_some() };
+        let mut numbers = [&before.points[..], &now.points].concat();
+        numbers.sort_unstable();
+        for range in ranges(&numbers) {
+            let offset = (range.start * size_of::<Point>()) as u64;
+            gpu.queue.write_buffer(&self.points, offset, bytemuck::cast_slice(&functions.points[range]));
+        }
+        let own = &functions.cuts[scene.cuts.len()..];
+        if !own.is_empty() {
+            let offset = size_of_val(&scene.cuts[..]) as u64;
+            gpu.queue.write_buffer(&self.cuts, offset, bytemuck::cast_slice(own));
         }
         if now.relations || before.relations {
             let relations = functions.relations.as_ref().unwrap_or(&scene.relations);
@@ -55,5 +69,17 @@ impl Upload {
             }
         }
         *before = now;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_all_numbers_and_no_long_gap() {
+        let numbers = [3, 3, 4, 900, 2000, 5000, 5001];
+        assert_eq!(ranges(&numbers).collect::<Vec<_>>(), [3..901, 2000..2001, 5000..5002]);
+        assert_eq!(ranges(&[]).count(), 0);
     }
 }

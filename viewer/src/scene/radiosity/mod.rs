@@ -23,7 +23,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::radiosity::accelerator::{BvhNode, PlacedModel};
-use rebounce_shared::radiosity::{Accelerator, ClippedFunctions, RadiositySettings, Reconstruction};
+use rebounce_shared::radiosity::{Accelerator, Clipping, RadiositySettings, Reconstruction};
 use rebounce_shared::rbn::bulk::Point;
 use std::cell::RefCell;
 use wgpu::BufferUsages;
@@ -65,6 +65,7 @@ pub struct Radiosity {
     pass: PassUniform,
     plan: Plan,
     points: wgpu::Buffer,
+    clipping: RefCell<Clipping>,
     reclipped: RefCell<Reclipped>,
     nodes: wgpu::Buffer,
     models: wgpu::Buffer,
@@ -152,6 +153,7 @@ impl Radiosity {
             pass,
             plan,
             points: points.clone(),
+            clipping: Clipping::new(scene).into(),
             reclipped: RefCell::default(),
             nodes,
             models,
@@ -184,7 +186,7 @@ impl Radiosity {
         let top = (self.accelerator.nodes.len() * size_of::<BvhNode>()) as u64;
         gpu.queue.write_buffer(&self.nodes, top, bytemuck::cast_slice(&placed.nodes));
         gpu.queue.write_buffer(&self.models, 0, bytemuck::cast_slice(&placed.models));
-        let functions = ClippedFunctions::new(scene, &self.accelerator, &placed, motions);
+        let functions = self.clipping.borrow_mut().follow(scene, &self.accelerator, &placed, motions);
         upload.reclip(gpu, scene, &functions, &mut self.reclipped.borrow_mut());
         let there = |(i, point): (usize, &Point)| Point { cuts: point.cuts, ..scene.moved_point(i, motions) };
         let points: Vec<Point> = functions.points.iter().enumerate().map(there).collect();
