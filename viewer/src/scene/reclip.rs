@@ -3,20 +3,9 @@
 use super::upload::Upload;
 use crate::gpu::Gpu;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::interpolation::Entry;
 use rebounce_shared::radiosity::ClippedFunctions;
-use rebounce_shared::radiosity::clipping::{most_cuts, most_entries};
 use rebounce_shared::rbn::bulk::{Cut, Point};
 use std::ops::Range;
-
-/// Bytes that planes, parents and children of a scene need, whatever moves; none beyond the file's where nothing can.
-pub(super) fn room(scene: &BakedScene) -> [usize; 3] {
-    if scene.groups.nodes.is_empty() {
-        return [0; 3];
-    }
-    let most = most_entries(scene);
-    [most_cuts(scene) * size_of::<Cut>(), most.push * size_of::<Entry>(), most.pull * size_of::<Entry>()]
-}
 
 /// What of the buffers is not the file's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

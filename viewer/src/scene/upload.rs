@@ -4,17 +4,21 @@ use super::blended_fit;
 use super::draw_batch::DrawBatch;
 use super::fronts;
 use super::ground;
-#[cfg(feature = "radiosity")]
-use super::reclip::room;
 use super::triangles::Triangles;
 use crate::error::ViewerError;
 use crate::gpu::bindings::{buffer, empty_buffer};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use rebounce_shared::baked::BakedScene;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::openness;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::radiosity::clipping::{most_cuts, most_entries};
 use rebounce_shared::rbn::LinkMatrix;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::rbn::bulk::Cut;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
 use std::collections::BinaryHeap;
@@ -180,7 +184,17 @@ impl Upload {
     }
 }
 
-/// Bytes that planes, parents and children of a scene need: those of the file.
+/// Bytes that planes, parents and children of a scene need, whatever moves; none beyond the file's where nothing can.
+#[cfg(feature = "radiosity")]
+fn room(scene: &BakedScene) -> [usize; 3] {
+    if scene.groups.nodes.is_empty() {
+        return [0; 3];
+    }
+    let most = most_entries(scene);
+    [most_cuts(scene) * size_of::<Cut>(), most.push * size_of::<Entry>(), most.pull * size_of::<Entry>()]
+}
+
+/// Without radiosity nothing moves.
 #[cfg(not(feature = "radiosity"))]
 fn room(_: &BakedScene) -> [usize; 3] {
     [0; 3]
