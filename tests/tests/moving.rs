@@ -75,7 +75,7 @@ fn a_door_in_the_viewer_is_the_cpus_and_a_wall_where_it_is_closed() {
         [("builtin:two-rooms-leaf", [0.0, 80.0]), ("builtin:two-rooms-leaf-open", [-80.0, 0.0])]
     {
         let room = rebounce::io::load(name).unwrap();
-        let mut settings = settings(3000);
+        let mut settings = settings(1500);
         settings.solver = BakeSolver::Radiosity;
         let scene = bake(&room, &settings.normalised(), &()).unwrap().0;
         let Some(mut renderer) = common::renderer(&scene) else { return };

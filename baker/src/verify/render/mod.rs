@@ -110,9 +110,9 @@ impl Relit {
         let by_radiosity = !scene.is_solved() && (scene.is_unlinked() || !motions.is_empty());
         let accelerator = if by_radiosity { Accelerator::new(scene) } else { Accelerator::default() };
         let clipped;
-        let scene = match motions.is_empty() {
-            true => scene,
-            false => {
+        let scene = match by_radiosity && !motions.is_empty() {
+            false => scene,
+            true => {
                 let placed = accelerator.placed(scene, motions);
                 clipped = ClippedFunctions::new(scene, &accelerator, &placed, motions).of(scene);
                 &clipped
