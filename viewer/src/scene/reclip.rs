@@ -4,7 +4,7 @@ use super::upload::Upload;
 use crate::gpu::Gpu;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::radiosity::ClippedFunctions;
-use rebounce_shared::rbn::bulk::{Cut, Point};
+use rebounce_shared::rbn::bulk::Point;
 use std::ops::Range;
 
 /// What of the buffers is not the file's.
