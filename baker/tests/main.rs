@@ -13,12 +13,14 @@ mod common {
 mod closed_forms;
 mod communicator;
 mod copies;
+mod door;
 mod examples;
 mod export;
 mod first_view;
 mod furnace;
 mod gltf;
 mod ground;
+mod groups;
 mod laws;
 mod leaks;
 mod materials;

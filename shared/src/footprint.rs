@@ -4,6 +4,9 @@
 //! The viewer's `footprint.wgsl` has the same formulas; a test compares the two.
 
 use crate::elementary::Elementary;
+use crate::kernel::likeness;
+use crate::rbn::bulk::Cut;
+use crate::surroundings::{SupportedPoint, Surroundings};
 use glam::{Vec2, Vec3};
 
 /// Number of direct light samples per point (the 2007 report, 6.2, averages 10).
@@ -13,6 +16,8 @@ pub const RADIUS: f32 = 0.25;
 /// Height of the samples above the point's tangent plane, relative to the support radius: a slightly curved surface
 /// does not hide the samples.
 pub const LIFT: f32 = 0.02;
+/// Maximum depth of the surface below a sample, relative to the support radius.
+const DEPTH: f32 = 0.15;
 
 /// Returns two unit tangents perpendicular to a unit normal and to each other (Duff et al. 2017).
 #[inline]
@@ -39,6 +44,28 @@ pub fn offset(sample: u32, normal: Vec3, support_radius: f32) -> Vec3 {
     let (first, second) = tangents(normal);
     let place = in_disk(sample) * RADIUS;
     support_radius * (first * place.x + second * place.y + normal * LIFT)
+}
+
+/// Returns the samples of a point's direct light, one bit per sample: those above the point's own surface, in sight of the
+/// point and within its clip planes.
+pub fn samples(
+    surfaces: &(impl Surroundings + ?Sized),
+    point: &SupportedPoint,
+    cuts: &[Cut],
+    seed: u32,
+) -> u8 {
+    let SupportedPoint { position, normal, radius, epsilon, .. } = *point;
+    let above = position + normal * (LIFT * radius).max(epsilon);
+    let belongs = |sample: u32| {
+        let offset = offset(sample, normal, radius);
+        let place = position + offset;
+        if cuts.iter().any(|cut| cut.ends(offset)) || !surfaces.is_open(above, place) {
+            return false;
+        }
+        let below = surfaces.cast(place, -normal, (LIFT + DEPTH) * radius, seed);
+        below.is_some_and(|hit| hit.faces && likeness(hit.normal.dot(normal)) > 0.0)
+    };
+    (0..SAMPLES).filter(|sample| belongs(*sample)).fold(0, |bits, sample| bits | 1 << sample)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //!
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
 //! * [`basis`] – functions that cover a place, parents and children;
+//! * [`clip_planes`] – planes that end supports at walls; [`surroundings`] – the surfaces around a point;
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
 //! * [`elementary`] – elementary functions with the same bits on every platform;
@@ -26,6 +27,7 @@ pub mod backdrop;
 pub mod baked;
 pub mod basis;
 pub mod camera;
+pub mod clip_planes;
 pub mod colour;
 pub mod elementary;
 pub mod environment;
@@ -48,6 +50,7 @@ pub mod rbn;
 pub mod relight;
 pub mod shot;
 pub mod smooth;
+pub mod surroundings;
 pub mod tone;
 
 pub use glam;

@@ -8,7 +8,7 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::motion::{Motions, NodeMotion};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::radiosity::solver::{Passes, Scene};
-use rebounce_shared::radiosity::{Accelerator, RadiositySettings, Reconstruction, solve};
+use rebounce_shared::radiosity::{Accelerator, ClippedFunctions, RadiositySettings, Reconstruction, solve};
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Point, Vertex};
 use rebounce_shared::rbn::groups::{Group, Groups, Node};
@@ -95,7 +95,9 @@ fn direct(scene: &BakedScene, motions: &Motions) -> Vec<Vec3> {
 
 fn on_cpu(scene: &BakedScene, motions: &Motions, settings: &RadiositySettings) -> Vec<Vec3> {
     let accelerator = Accelerator::new(scene);
-    let scene = Scene { baked: scene, accelerator: &accelerator, motions };
+    let placed = accelerator.placed(scene, motions);
+    let moved = ClippedFunctions::new(scene, &accelerator, &placed, motions).of(scene);
+    let scene = Scene { baked: &moved, accelerator: &accelerator, motions };
     let solution = solve(scene, settings, &direct(scene.baked, motions), &|receivers, gather| {
         receivers.iter().map(|receiver| gather(*receiver)).collect()
     });
@@ -127,7 +129,7 @@ fn on_gpu(
     let [given, display] = [stored(bytemuck::cast_slice(&rows)), stored(bytemuck::cast_slice(&rows))];
     let buffers = [&points, &given, &display];
     let mut solver = Radiosity::new(gpu, &pipelines, &upload, scene, buffers, *settings).unwrap();
-    solver.place(gpu, scene, motions);
+    solver.place(gpu, &upload, scene, motions);
     while !solver.progress().is_done {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         solver.encode(gpu, &mut encoder, &pipelines, slice);

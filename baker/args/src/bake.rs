@@ -49,8 +49,8 @@ pub struct BakeArgs {
     /// A .gltf or .glb file, or builtin:NAME
     ///
     /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
-    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic and
-    /// builtin:furnace.
+    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,
+    /// builtin:arcade, builtin:corridor, builtin:attic and builtin:furnace.
     pub scene: String,
     /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]

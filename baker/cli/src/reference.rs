@@ -16,8 +16,8 @@ use rebounce_args::load::LoadArgs;
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
     /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
-    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic,
-    /// builtin:furnace
+    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,
+    /// builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
     scene: String,
     #[command(flatten)]
     load: LoadArgs,

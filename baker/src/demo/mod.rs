@@ -20,9 +20,10 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::meta::Material;
 use std::f64::consts::TAU;
+use two_rooms::Door;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 13] = [
     "apartment",
     "arcade",
     "attic",
@@ -34,6 +35,8 @@ pub const NAMES: [&str; 11] = [
     "theatre",
     "two-rooms",
     "two-rooms-door",
+    "two-rooms-leaf",
+    "two-rooms-leaf-open",
 ];
 
 /// Generates the built-in scene of this name.
@@ -51,8 +54,10 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "gallery" => Ok(gallery::scene()),
         "library" => Ok(library::scene()),
         "theatre" => Ok(theatre::scene()),
-        "two-rooms" => Ok(two_rooms::scene(false)),
-        "two-rooms-door" => Ok(two_rooms::scene(true)),
+        "two-rooms" => Ok(two_rooms::scene(name, Door::None)),
+        "two-rooms-door" => Ok(two_rooms::scene(name, Door::Open)),
+        "two-rooms-leaf" => Ok(two_rooms::scene(name, Door::Leaf(0.0))),
+        "two-rooms-leaf-open" => Ok(two_rooms::scene(name, Door::Leaf(80.0))),
         _ => Err(unknown(name)),
     }
 }

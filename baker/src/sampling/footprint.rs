@@ -1,15 +1,13 @@
-//! Footprints: places on the surface around a point at which direct light is sampled.
+//! Footprints: places on the surface around a point at which direct light is sampled, by
+//! [the law](rebounce_shared::footprint::samples) that files whose nodes move share.
 
-use super::{Points, SurfacePoint};
-use crate::geometry::{Ray, Surfaces};
+use super::Points;
+use super::around::{Around, supported};
+use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::random::mix;
 use rayon::prelude::*;
-use rebounce_shared::footprint::{LIFT, SAMPLES, offset};
-use rebounce_shared::kernel::likeness;
-
-/// Maximum depth of the surface below a sample, over the support radius.
-const DEPTH: f32 = 0.15;
+use rebounce_shared::footprint::samples;
 
 /// Computes the missing samples of direct light of the points up to `end`: samples above the point's own surface, in
 /// sight of the point and within the clip planes. The same points have the same samples. A unit of `watch` is a point.
@@ -25,43 +23,21 @@ pub fn footprint<S: Surfaces + ?Sized>(
     let radii = points.support_radii();
     let found = (points.samples.len()..end).into_par_iter().map(|i| {
         watch.step(1)?;
-        Ok(samples_of(surfaces, points, i, radii[i]))
+        let point = supported(surfaces, &points.points[i], radii[i]);
+        Ok(samples(&Around(surfaces), &point, points.cuts_of(i), mix(i as u64) as u32))
     });
     let found: Vec<u8> = found.collect::<Result<_, Stopped>>()?;
     points.samples.extend(found);
     Ok(())
 }
 
-/// Samples of a point, one bit per sample.
-fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, radius: f32) -> u8 {
-    let point: &SurfacePoint = &points.points[i];
-    let cuts = points.cuts_of(i);
-    let above = point.position + point.normal * (LIFT * radius).max(surfaces.epsilon_at(point.position));
-    let belongs = |sample: u32| {
-        let offset = offset(sample, point.normal, radius);
-        let place = point.position + offset;
-        if cuts.iter().any(|cut| cut.ends(offset)) || surfaces.transmittance(above, place).element_sum() < 1.5
-        {
-            return false;
-        }
-        let down = Ray {
-            origin: place,
-            direction: -point.normal,
-            max_distance: (LIFT + DEPTH) * radius,
-            spread: Ray::VISIBILITY,
-        };
-        let below = surfaces.cast(&down, mix(i as u64) as u32);
-        below.is_some_and(|hit| hit.faces(down.direction) && likeness(hit.normal.dot(point.normal)) > 0.0)
-    };
-    (0..SAMPLES).filter(|sample| belongs(*sample)).fold(0, |bits, sample| bits | 1 << sample)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::mesh::TriangleSurfaces;
-    use crate::sampling::{PointLevel, cut};
+    use crate::sampling::{PointLevel, SurfacePoint, cut};
     use glam::{DVec3, Vec3, dvec3};
+    use rebounce_shared::footprint::SAMPLES;
 
     /// Number of samples of a floor point with a support of 40 cm, world space.
     fn on_the_floor(name: &str, place: DVec3) -> u32 {

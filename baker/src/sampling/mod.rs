@@ -8,9 +8,10 @@
 //! * [`mod@place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
 //!   distribution; [`fill`] – filling of the remaining gaps;
 //! * [`round`] – rounding to the file's precision;
-//! * `clip_planes` – planes that end supports at walls;
+//! * `around` – surfaces around a point; `clip_planes` – planes that end supports at walls;
 //! * [`mod@footprint`] – samples of direct light; [`mod@openness`] – share of the hemisphere free of near surfaces.
 
+mod around;
 pub(crate) mod candidates;
 mod clip_planes;
 pub mod emitter;

@@ -12,9 +12,13 @@
 mod least_squares;
 mod lookup;
 mod relations;
+#[cfg(feature = "radiosity")]
+mod renewed;
 
 pub use lookup::{LEVEL_WORDS, Lookup, LookupEntry};
 pub use relations::{ParentWeights, Relations};
+#[cfg(feature = "radiosity")]
+pub use renewed::MostEntries;
 
 use crate::rbn::bulk::{Cut, Point};
 use crate::rbn::meta::Level;
@@ -37,5 +41,11 @@ impl Functions<'_> {
     #[inline]
     pub fn group_of(&self, i: usize) -> u32 {
         self.groups.get(i).copied().unwrap_or(0)
+    }
+
+    /// Number of points on the `levels` coarsest levels.
+    fn count_on(&self, levels: usize) -> usize {
+        let levels = &self.levels[..levels.min(self.levels.len())];
+        levels.last().map_or(0, |last| (last.first + last.count) as usize)
     }
 }

@@ -72,12 +72,8 @@ impl Relations {
         let mut row = Vec::new();
         for (l, level) in levels.iter().enumerate() {
             for i in level.first as usize..(level.first + level.count) as usize {
-                let p = &points[i];
-                let tested = parents(functions, &relations.lookup, l, i, &mut row);
+                let tested = push_row(functions, &relations.lookup, (l, i), weights, &mut row);
                 tests = tests.checked_sub(tested).ok_or_else(|| crowded(MOST_TESTED))?;
-                if weights == ParentWeights::LeastSquares {
-                    make_linear(p.normal(), &mut row, |k| points[k as usize].position() - p.position());
-                }
                 pack_row(&row, &mut relations.push_entries);
                 if relations.push_entries.len() > most_entries {
                     return Err(crowded(MOST_PARENTS));
@@ -85,11 +81,9 @@ impl Relations {
                 relations.push_offsets.push(relations.push_entries.len() as u32);
             }
         }
-        let count_on =
-            |l: usize| levels[..l.min(levels.len())].last().map_or(0, |last| last.first + last.count);
         relations.add_children(
-            count_on(direct_levels.saturating_sub(1)) as usize,
-            count_on(direct_levels) as usize,
+            functions.count_on(direct_levels.saturating_sub(1)),
+            functions.count_on(direct_levels),
         );
         Ok(relations)
     }
@@ -104,9 +98,7 @@ impl Relations {
         Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
     }
 
-    /// Adds the pull rows: the push rows transposed and sharpened. The weight of a child is the fourth power of its
-    /// share, so that a point averages the direct light around it and not beyond its neighbours. Plain shares would
-    /// blur twice: in averaging and in interpolation.
+    /// Adds the pull rows: the push rows transposed and [sharpened](sharpened).
     fn add_children(&mut self, parents: usize, children: usize) {
         let mut next = vec![0u32; parents + 1];
         for entry in (0..children).flat_map(|j| self.push().row(j)) {
@@ -118,12 +110,9 @@ impl Relations {
         let starts = next.clone();
         let mut shares = vec![(0u32, 0f32); starts[parents] as usize];
         for j in 0..children {
-            let row = self.push().row(j);
-            let total: f32 = row.iter().map(|e| e.weight()).sum();
-            for entry in row {
-                let share = entry.weight() / total;
-                let place = &mut next[entry.point()];
-                shares[*place as usize] = (j as u32, share * share * (share * share));
+            for (parent, weight) in sharpened(self.push().row(j)) {
+                let place = &mut next[parent];
+                shares[*place as usize] = (j as u32, weight);
                 *place += 1;
             }
         }
@@ -133,6 +122,34 @@ impl Relations {
             self.pull_offsets.push(self.pull_entries.len() as u32);
         }
     }
+}
+
+/// The parents of a point with their weights as a parent's children have them: the fourth power of a share, so that a point
+/// averages the direct light around it and not beyond its neighbours. Plain shares would blur twice: in averaging and in
+/// interpolation.
+pub(super) fn sharpened(row: &[Entry]) -> impl Iterator<Item = (usize, f32)> + '_ {
+    let total: f32 = row.iter().map(|e| e.weight()).sum();
+    row.iter().map(move |entry| {
+        let share = entry.weight() / total;
+        (entry.point(), share * share * (share * share))
+    })
+}
+
+/// Fills `row` with the parents of point `i` of a level and their weights. Returns the number of functions tested plus levels
+/// visited.
+pub(super) fn push_row(
+    functions: &Functions<'_>,
+    lookup: &Lookup,
+    (level, i): (usize, usize),
+    weights: ParentWeights,
+    row: &mut Vec<(u32, f32)>,
+) -> usize {
+    let (points, p) = (functions.points, &functions.points[i]);
+    let tested = parents(functions, lookup, level, i, row);
+    if weights == ParentWeights::LeastSquares {
+        make_linear(p.normal(), row, |k| points[k as usize].position() - p.position());
+    }
+    tested
 }
 
 /// Fills `row` with the functions of its group that cover point `i` on the finest covering level coarser than `level`, and

@@ -113,6 +113,19 @@ pub struct Accelerator {
     models: Vec<Model>,
 }
 
+/// A model at a place, for what asks for surfaces around a place.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelPlace {
+    /// Root of the model's BVH.
+    pub root: u32,
+    /// Reconstruction group of its triangles.
+    pub group: u32,
+    /// The matrix from model space to local space.
+    pub local_from_model: Affine3A,
+    /// Its box, local space.
+    pub bounds: [Vec3; 2],
+}
+
 /// Models at their places, with a BVH over them.
 #[derive(Clone, Debug, Default)]
 pub struct PlacedModels {
@@ -155,23 +168,32 @@ impl Accelerator {
         self.models.push(Model { root, bounds, instances, group });
     }
 
-    /// Places the models of a scene whose groups are where `motions` have them.
-    pub fn placed(&self, scene: &BakedScene, motions: &Motions) -> PlacedModels {
-        let mut models = Vec::new();
-        let mut boxes = Vec::new();
+    /// The places of all models of a scene whose groups are where `motions` have them.
+    pub fn places(&self, scene: &BakedScene, motions: &Motions) -> Vec<ModelPlace> {
+        let mut out = Vec::new();
         for model in &self.models {
             let motion = motions.of(model.group);
             let identity = [Instance::IDENTITY];
             let instances = model.instances.clone().map_or(&identity[..], |range| &scene.instances[range]);
             for instance in instances {
                 let local_from_model = motion.local_from_rest * instance.local_from_model();
-                models.push(place(model.root, &local_from_model, &motion));
-                boxes.push(moved(&model.bounds, &local_from_model));
+                let around = moved(&model.bounds, &local_from_model);
+                let bounds = [around.min, around.max].map(Vec3::from);
+                out.push(ModelPlace { root: model.root, group: model.group, local_from_model, bounds });
             }
         }
-        if models.is_empty() {
+        out
+    }
+
+    /// Places the models of a scene whose groups are where `motions` have them.
+    pub fn placed(&self, scene: &BakedScene, motions: &Motions) -> PlacedModels {
+        let places = self.places(scene, motions);
+        if places.is_empty() {
             return PlacedModels::default();
         }
+        let models: Vec<PlacedModel> = places.iter().map(|at| place(at, &motions.of(at.group))).collect();
+        let boxes: Vec<Aabb> =
+            places.iter().map(|at| Aabb::new(at.bounds[0].into(), at.bounds[1].into())).collect();
         let bvh = build(&boxes, 1);
         let mut nodes = Vec::new();
         flatten(&bvh, 0, 0, &mut nodes);
@@ -179,11 +201,11 @@ impl Accelerator {
     }
 }
 
-fn place(root: u32, local_from_model: &Affine3A, motion: &Motion) -> PlacedModel {
+fn place(at: &ModelPlace, motion: &Motion) -> PlacedModel {
     PlacedModel {
-        model_from_local: Instance::from(&local_from_model.inverse()).rows,
+        model_from_local: Instance::from(&at.local_from_model.inverse()).rows,
         rest_from_local: Instance::from(&motion.rest_from_local).rows,
-        root,
+        root: at.root,
         pad: [0; 7],
     }
 }

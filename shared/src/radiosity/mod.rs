@@ -11,19 +11,24 @@
 //! | gather: the mean over the rays | [`gather`] | `gather_light.wgsl` |
 //! | pull-down, refinement oracle | [`levels`] | `pull_down.wgsl` |
 //!
-//! [`accelerator`] builds the BVHs; [`solver`] has the passes in order.
+//! [`accelerator`] builds the BVHs; [`solver`] has the passes in order. [`clipping`] works out anew the clip planes of functions
+//! that something has moved to or from ([`touched`]), by rays at the [`placed_surfaces`].
 //!
 //! Values are absolute on every level (5 of the 2011 paper): each level is a flat representation of the light by itself.
 
 pub mod accelerator;
+pub mod clipping;
 pub mod directions;
 pub mod gather;
 pub mod levels;
+pub mod placed_surfaces;
 pub mod reconstruction;
 pub mod solver;
+pub mod touched;
 pub mod traversal;
 
 pub use accelerator::{Accelerator, PlacedModels};
+pub use clipping::{ClippedFunctions, Clipping};
 pub use gather::{Gather, Gathered};
 pub use reconstruction::Reconstruction;
 pub use solver::{RadiositySettings, Solution, solve};

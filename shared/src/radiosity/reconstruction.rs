@@ -10,7 +10,8 @@ use glam::{Affine3A, Vec3};
 pub enum Reconstruction {
     /// The basis is evaluated: the mean over the functions that cover the hit.
     Exact,
-    /// The value of the nearest centre whose normal agrees (the 2011 paper, 5.1, after Christensen 1999).
+    /// The value of the nearest centre whose normal agrees (the 2011 paper, 5.1, after Christensen 1999), on this side of its
+    /// clip planes.
     #[default]
     Nearest,
 }
@@ -60,7 +61,15 @@ impl Senders<'_> {
         Vec3::ZERO
     }
 
-    /// The point of a level with the nearest centre, among those that may cover the place and whose normals agree.
+    /// Whether a clip plane ends the support of a point before a place.
+    #[inline]
+    fn is_cut(&self, point: &Point, place: &HitPoint) -> bool {
+        let offset = place.rest_from_local.transform_vector3(place.position - point.position());
+        self.cuts[point.cuts()].iter().any(|cut| cut.ends(offset))
+    }
+
+    /// The point of a level with the nearest centre, among those that may cover the place, whose normals agree, and whose
+    /// supports no clip plane ends before it.
     fn nearest(&self, level: usize, rest: Vec3, place: &HitPoint) -> Option<u32> {
         let mut best = (f32::MAX, None);
         for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
@@ -68,6 +77,7 @@ impl Senders<'_> {
             let distance = point.position().distance_squared(place.position);
             if distance < best.0.min(point.radius * point.radius)
                 && point.normal().dot(place.normal) > LEAST_COSINE
+                && !self.is_cut(point, place)
             {
                 best = (distance, Some(entry.function()));
             }
@@ -80,14 +90,10 @@ impl Senders<'_> {
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
         for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
             let point = &self.points[entry.function() as usize];
-            let offset = place.position - point.position();
-            let w = weight(offset, place.normal, point.normal(), point.radius);
-            if w > 0.0 {
-                let offset = place.rest_from_local.transform_vector3(offset);
-                if !self.cuts[point.cuts()].iter().any(|cut| cut.ends(offset)) {
-                    sum += w * light[entry.function() as usize];
-                    total += w;
-                }
+            let w = weight(place.position - point.position(), place.normal, point.normal(), point.radius);
+            if w > 0.0 && !self.is_cut(point, place) {
+                sum += w * light[entry.function() as usize];
+                total += w;
             }
         }
         (total > LEAST_WEIGHT).then(|| sum / total)

@@ -97,7 +97,7 @@ pub type GatherAll<'a> = &'a dyn Fn(&[u32], &(dyn Fn(u32) -> Gathered + Sync)) -
 /// A scene to solve for.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
-    /// The file's contents.
+    /// The file's contents; where groups have moved, with [the functions of then](super::ClippedFunctions).
     pub baked: &'a BakedScene,
     /// BVHs of its models.
     pub accelerator: &'a Accelerator,

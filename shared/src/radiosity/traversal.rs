@@ -108,11 +108,21 @@ fn distance(triangle: &Triangle, origin: Vec3, direction: Vec3) -> f32 {
 
 /// Returns the nearest hit of a ray.
 pub fn nearest(accelerator: &Accelerator, placed: &PlacedModels, ray: &Ray) -> Option<Hit> {
+    nearest_within(accelerator, placed, ray, f32::MAX)
+}
+
+/// Returns the nearest hit of a ray under a distance.
+pub fn nearest_within(
+    accelerator: &Accelerator,
+    placed: &PlacedModels,
+    ray: &Ray,
+    limit: f32,
+) -> Option<Hit> {
     if placed.models.is_empty() {
         return None;
     }
     // Distance, triangle, model.
-    let mut best = (f32::MAX, u32::MAX, 0);
+    let mut best = (limit, u32::MAX, 0);
     walk(&placed.nodes, 0, ray, best.0, |first, count, _| {
         for model in first..first + count {
             let place = &placed.models[model as usize];
@@ -141,6 +151,38 @@ pub fn nearest(accelerator: &Accelerator, placed: &PlacedModels, ray: &Ray) -> O
         let (normal, is_dark) = facing(&accelerator.triangles[triangle as usize], &matrix, ray.direction);
         Hit { distance, triangle, model, normal, is_dark }
     })
+}
+
+/// Returns the share of light that goes straight from one place to another.
+pub fn transmittance(accelerator: &Accelerator, placed: &PlacedModels, from: Vec3, to: Vec3) -> f32 {
+    if placed.models.is_empty() {
+        return 1.0;
+    }
+    let ray = Ray { origin: from, direction: to - from, seed: 0 };
+    let mut share = 1.0f32;
+    // Nothing is entered at a negative limit.
+    let limit = |share: f32| if share > 0.0 { 1.0 } else { -1.0 };
+    walk(&placed.nodes, 0, &ray, 1.0, |first, count, _| {
+        for place in &placed.models[first as usize..(first + count) as usize] {
+            let matrix = place.model_from_local();
+            let line = Ray {
+                origin: matrix.transform_point3(ray.origin),
+                direction: matrix.transform_vector3(ray.direction),
+                seed: 0,
+            };
+            walk(&accelerator.nodes, place.root, &line, limit(share), |first, count, _| {
+                for triangle in &accelerator.triangles[first as usize..(first + count) as usize] {
+                    let distance = distance(triangle, line.origin, line.direction);
+                    if distance > 0.0 && distance < 1.0 {
+                        share *= triangle.transmittance;
+                    }
+                }
+                limit(share)
+            });
+        }
+        limit(share)
+    });
+    share
 }
 
 /// Whether a triangle stops a ray.

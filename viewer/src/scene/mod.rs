@@ -3,7 +3,7 @@
 //! * here: the scene;
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
-//! * `moving`, `radiosity` – nodes that move, and the bounced light that follows them;
+//! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
 //! * `materials`, `textures` – a bind group per material, mip levels;
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
 //! * `triangles` – the surfaces on the CPU, for ray casts;
@@ -22,6 +22,8 @@ pub mod materials;
 pub mod moving;
 #[cfg(feature = "radiosity")]
 pub mod radiosity;
+#[cfg(feature = "radiosity")]
+mod reclip;
 pub mod relight;
 pub mod sky;
 pub mod textures;

@@ -94,6 +94,9 @@ impl Moving {
             instances: scene.instances.clone(),
             copies: scene.copies.clone(),
             points: scene.points.clone(),
+            cuts: scene.cuts.clone(),
+            parent_weights: scene.parent_weights,
+            relations: scene.relations.clone(),
             groups: scene.groups.clone(),
             point_groups: scene.point_groups.clone(),
             ..BakedScene::default()
@@ -151,7 +154,7 @@ impl Moving {
         let of_group = |group: u32| Instance::from(&motions.of(group).rest_from_local);
         let rest: Vec<Instance> = (0..=groups.groups.len() as u32).map(of_group).collect();
         gpu.queue.write_buffer(&upload.rest, 0, bytemuck::cast_slice(&rest));
-        self.solver.borrow().place(gpu, &self.file, &motions);
+        self.solver.borrow().place(gpu, upload, &self.file, &motions);
         self.is_stale.set(true);
     }
 

@@ -6,13 +6,19 @@ use super::fronts;
 use super::ground;
 use super::triangles::Triangles;
 use crate::error::ViewerError;
-use crate::gpu::bindings::buffer;
+use crate::gpu::bindings::{buffer, empty_buffer};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use rebounce_shared::baked::BakedScene;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::openness;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::radiosity::clipping::{most_cuts, most_entries};
 use rebounce_shared::rbn::LinkMatrix;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::rbn::bulk::Cut;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
 use std::collections::BinaryHeap;
@@ -108,6 +114,20 @@ impl Upload {
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
+        // Large enough for what a motion brings.
+        let [cuts, push, pull] = room(scene);
+        let roomy = |name, content: &[u8], bytes: usize| {
+            let buffer = empty_buffer(
+                &own,
+                name,
+                BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                content.len().max(bytes) as u64,
+            );
+            if !content.is_empty() {
+                gpu.queue.write_buffer(&buffer, 0, content);
+            }
+            buffer
+        };
         let (mut runs, relations) = (runs(scene), &scene.relations);
         let gains: Vec<f32> = scene.openness.iter().copied().map(openness::gain).collect();
         let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
@@ -127,7 +147,7 @@ impl Upload {
             indices: section("INDX", BufferUsages::INDEX, cast(&indices)),
             instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
-            cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
+            cuts: roomy("CUTS", bytemuck::cast_slice(&scene.cuts), cuts),
             gains: stored("OPEN", bytemuck::cast_slice(&gains)),
             lookup: stored("PNTS", cast(&relations.lookup.words)),
             #[cfg(feature = "radiosity")]
@@ -137,9 +157,9 @@ impl Upload {
                 bytemuck::cast_slice(&[Instance::IDENTITY; rebounce_shared::rbn::groups::MAX_GROUPS + 1]),
             ),
             push_offsets: stored("PNTS", cast(&relations.push_offsets)),
-            push_entries: stored("PNTS", bytemuck::cast_slice(&relations.push_entries)),
+            push_entries: roomy("PNTS", bytemuck::cast_slice(&relations.push_entries), push),
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),
-            pull_entries: stored("PNTS", bytemuck::cast_slice(&relations.pull_entries)),
+            pull_entries: roomy("PNTS", bytemuck::cast_slice(&relations.pull_entries), pull),
             blended_layers: blended_fit::layers(scene, &blended_runs),
             tinted: blended_fit::are_tinted(&scene.meta, &blended_runs),
             glass_runs: blended_runs.iter().filter(|run| run.glass).cloned().collect(),
@@ -162,6 +182,22 @@ impl Upload {
     pub fn bytes(&self) -> u64 {
         self.own.bytes()
     }
+}
+
+/// Bytes that planes, parents and children of a scene need, whatever moves; none beyond the file's where nothing can.
+#[cfg(feature = "radiosity")]
+fn room(scene: &BakedScene) -> [usize; 3] {
+    if scene.groups.nodes.is_empty() {
+        return [0; 3];
+    }
+    let most = most_entries(scene);
+    [most_cuts(scene) * size_of::<Cut>(), most.push * size_of::<Entry>(), most.pull * size_of::<Entry>()]
+}
+
+/// Without radiosity nothing moves.
+#[cfg(not(feature = "radiosity"))]
+fn room(_: &BakedScene) -> [usize; 3] {
+    [0; 3]
 }
 
 /// Size limits of a device, bytes.

@@ -27,7 +27,7 @@ use rebounce_shared::lighting::Lighting;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::radiosity::solver::Scene;
-use rebounce_shared::radiosity::{Accelerator, RadiositySettings, solve};
+use rebounce_shared::radiosity::{Accelerator, ClippedFunctions, RadiositySettings, solve};
 use rebounce_shared::relight::{self, GroupIrradiance};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -107,10 +107,21 @@ impl Relit {
         detail: bool,
         motions: &Motions,
     ) -> Self {
-        let mut irradiance = match (scene.is_solved(), scene.is_unlinked() || !motions.is_empty()) {
-            (true, _) => mixed(scene, &lighting),
+        let by_radiosity = !scene.is_solved() && (scene.is_unlinked() || !motions.is_empty());
+        let accelerator = if by_radiosity { Accelerator::new(scene) } else { Accelerator::default() };
+        let clipped;
+        let scene = match by_radiosity && !motions.is_empty() {
+            false => scene,
+            true => {
+                let placed = accelerator.placed(scene, motions);
+                clipped = ClippedFunctions::new(scene, &accelerator, &placed, motions).of(scene);
+                &clipped
+            }
+        };
+        let mut irradiance = match (by_radiosity, scene.is_solved()) {
+            (true, _) => gathered(scene, surfaces, &lighting, (&accelerator, motions)),
+            (_, true) => mixed(scene, &lighting),
             (_, false) => relit(scene, surfaces, &lighting),
-            (_, true) => gathered(scene, surfaces, &lighting, motions),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
@@ -254,7 +265,7 @@ fn gathered(
     scene: &BakedScene,
     surfaces: &impl Surfaces,
     lighting: &Lighting,
-    motions: &Motions,
+    (accelerator, motions): (&Accelerator, &Motions),
 ) -> Vec<PointLight> {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
@@ -264,8 +275,7 @@ fn gathered(
         .map(|i| direct::at_footprint(surfaces, &lighting.lamps, &scene.moved_point(i, motions)) + source(i))
         .collect();
     relight::pull(scene, &mut direct);
-    let accelerator = Accelerator::new(scene);
-    let solved = Scene { baked: scene, accelerator: &accelerator, motions };
+    let solved = Scene { baked: scene, accelerator, motions };
     let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {
         receivers.par_iter().map(|receiver| gather(*receiver)).collect()
     });

@@ -11,6 +11,7 @@ mod plan;
 pub use pipelines::RadiosityPipelines;
 pub use plan::Progress;
 
+use super::reclip::Reclipped;
 use super::upload::Upload;
 use crate::error::ViewerError;
 use crate::gpu::bindings::{buffer, empty_buffer, grid, group, part};
@@ -22,8 +23,9 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::radiosity::accelerator::{BvhNode, PlacedModel};
-use rebounce_shared::radiosity::{Accelerator, RadiositySettings, Reconstruction};
+use rebounce_shared::radiosity::{Accelerator, Clipping, RadiositySettings, Reconstruction};
 use rebounce_shared::rbn::bulk::Point;
+use std::cell::RefCell;
 use wgpu::BufferUsages;
 
 /// `Pass` in radiosity_pass.wgsl.
@@ -63,6 +65,8 @@ pub struct Radiosity {
     pass: PassUniform,
     plan: Plan,
     points: wgpu::Buffer,
+    clipping: RefCell<Clipping>,
+    reclipped: RefCell<Reclipped>,
     nodes: wgpu::Buffer,
     models: wgpu::Buffer,
     uniforms: wgpu::Buffer,
@@ -149,6 +153,8 @@ impl Radiosity {
             pass,
             plan,
             points: points.clone(),
+            clipping: Clipping::new(scene).into(),
+            reclipped: RefCell::default(),
             nodes,
             models,
             uniforms,
@@ -159,7 +165,7 @@ impl Radiosity {
             show,
             own,
         };
-        out.place(gpu, scene, &Motions::default());
+        out.place(gpu, upload, scene, &Motions::default());
         Ok(out)
     }
 
@@ -173,14 +179,17 @@ impl Radiosity {
         self.own.bytes()
     }
 
-    /// Puts the groups where `motions` have them: models for rays, and points. The solution begins anew with
-    /// [`Self::restart`].
-    pub fn place(&self, gpu: &Gpu, scene: &BakedScene, motions: &Motions) {
+    /// Puts the groups where `motions` have them: models for rays, points, and what ends supports and relates points around
+    /// what has moved. The solution begins anew with [`Self::restart`].
+    pub fn place(&self, gpu: &Gpu, upload: &Upload, scene: &BakedScene, motions: &Motions) {
         let placed = self.accelerator.placed(scene, motions);
         let top = (self.accelerator.nodes.len() * size_of::<BvhNode>()) as u64;
         gpu.queue.write_buffer(&self.nodes, top, bytemuck::cast_slice(&placed.nodes));
         gpu.queue.write_buffer(&self.models, 0, bytemuck::cast_slice(&placed.models));
-        let points: Vec<Point> = (0..scene.points.len()).map(|i| scene.moved_point(i, motions)).collect();
+        let functions = self.clipping.borrow_mut().follow(scene, &self.accelerator, &placed, motions);
+        upload.reclip(gpu, scene, &functions, &mut self.reclipped.borrow_mut());
+        let there = |(i, point): (usize, &Point)| Point { cuts: point.cuts, ..scene.moved_point(i, motions) };
+        let points: Vec<Point> = functions.points.iter().enumerate().map(there).collect();
         gpu.queue.write_buffer(&self.points, 0, bytemuck::cast_slice(&points));
     }
 

@@ -13,8 +13,8 @@ struct Sender {
     rest: u32,
 }
 
-// The light of the point of a level with the nearest centre, among those that may cover the place and whose normals agree;
-// w is 0 where there is none.
+// The light of the point of a level with the nearest centre, among those that may cover the place, whose normals agree, and
+// whose supports no clip plane ends before it; w is 0 where there is none.
 fn nearest_light(list: vec2u, place: Sender) -> vec4f {
     var best = BVH_FAR;
     var found = 0u;
@@ -23,7 +23,8 @@ fn nearest_light(list: vec2u, place: Sender) -> vec4f {
         let offset = place.position - point_position(points[j]);
         let distance = dot(offset, offset);
         if distance < min(best, points[j].radius * points[j].radius) && belongs(lookup[at], place.group)
-            && dot(unpack_normal(points[j].normal), place.normal) > LEAST_COSINE {
+            && dot(unpack_normal(points[j].normal), place.normal) > LEAST_COSINE
+            && !is_cut(bvh_placed(place.rest, vec4f(offset, 0.0)), points[j].cuts) {
             best = distance;
             found = j;
         }
