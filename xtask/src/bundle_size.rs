@@ -13,7 +13,7 @@ const FIRST_LOAD: usize = 200_000;
 /// Limit of the baker, which is fetched when a page bakes, after gzip, bytes.
 const BAKER: usize = 1_000_000;
 /// Limit of the renderer of all files, after gzip, bytes.
-const RADIOSITY: usize = 230_000;
+const RADIOSITY: usize = 250_000;
 /// Limit of the program for three.js, after gzip, bytes.
 const THREE: usize = 250_000;
 /// Limit of a module that is loaded when first wanted, with what only it imports, after gzip, bytes.
