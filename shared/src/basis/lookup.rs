@@ -1,8 +1,8 @@
 //! Lookup of functions that may cover a place: a hash grid per level, in a single array of words shared with the GPU.
 //!
 //! A pixel reads one bucket of its level and tests the functions in the bucket; lookup.wgsl of the viewer reads this
-//! array. An entry of a bucket has the function's reconstruction group beside its number, so that functions of other
-//! groups are passed over unread.
+//! array. A bucket is that of a cell and a reconstruction group: many small objects may share a cell. An entry has the
+//! function's group beside its number, as cells of several groups may share a bucket.
 
 use super::Functions;
 use crate::interpolation::MAX_POINTS;
@@ -63,7 +63,7 @@ impl Lookup {
             words[head] = grid.cells_per_unit.to_bits();
             words[head + 1] = words.len() as u32;
             words[head + 2] = buckets as u32 - 1;
-            append(&mut words, &grid, points, level.first, buckets);
+            append(&mut words, &grid, functions, l, buckets);
             if !groups.is_empty() {
                 let entries = words[head + 1] as usize + buckets + 1;
                 for entry in &mut words[entries..] {
@@ -79,12 +79,13 @@ impl Lookup {
         self.words.extend((0..count as u32).rev().map(group_of));
     }
 
-    /// Returns the functions of a level that may cover a place, ascending.
+    /// Returns the functions of a level that may cover a place of a reconstruction group, ascending; some may be of other
+    /// groups.
     #[inline]
-    pub fn entries(&self, level: usize, position: Vec3) -> &[LookupEntry] {
+    pub fn entries(&self, level: usize, position: Vec3, group: u32) -> &[LookupEntry] {
         let head = 1 + LEVEL_WORDS * level;
         let cell = (position * f32::from_bits(self.words[head])).floor().as_ivec3();
-        let bucket = (self.words[head + 1] + (hash(cell) & self.words[head + 2])) as usize;
+        let bucket = (self.words[head + 1] + (hash(cell, group) & self.words[head + 2])) as usize;
         bytemuck::cast_slice(&self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize])
     }
 
@@ -98,10 +99,10 @@ impl Lookup {
 }
 
 /// Appends a level's offsets and lists: counts first, then places.
-fn append(words: &mut Vec<u32>, grid: &Grid, points: &[Point], first: u32, buckets: usize) {
+fn append(words: &mut Vec<u32>, grid: &Grid, functions: &Functions<'_>, level: usize, buckets: usize) {
     let offsets = words.len();
     words.resize(offsets + buckets + 1, 0);
-    let placed = grid.buckets(points, first, buckets);
+    let placed = grid.buckets(functions, level, buckets);
     placed.iter().for_each(|(bucket, _)| words[offsets + *bucket as usize + 1] += 1);
     words[offsets] = (offsets + buckets + 1) as u32;
     for b in 0..buckets {
@@ -128,22 +129,23 @@ impl Grid {
         Self { cells_per_unit: if largest > 0.0 { 1.0 / (CELL * largest) } else { 1.0 } }
     }
 
-    /// Returns pairs of bucket (below `buckets`) and function (numbered from `first`): functions ascending, once per
-    /// bucket.
-    fn buckets(&self, points: &[Point], first: u32, buckets: usize) -> Vec<(u32, u32)> {
-        let mut placed = Vec::with_capacity(8 * points.len());
+    /// Returns pairs of bucket (below `buckets`) and function of a level: functions ascending, once per bucket.
+    fn buckets(&self, functions: &Functions<'_>, level: usize, buckets: usize) -> Vec<(u32, u32)> {
+        let level = &functions.levels[level];
+        let mut placed = Vec::with_capacity(8 * level.count as usize);
         // The last function put into each bucket: two cells of one function may share a bucket.
         let mut last = vec![u32::MAX; buckets];
-        for (point, i) in points.iter().zip(first..) {
-            self.place(point, i, &mut last, &mut placed);
+        for i in level.first..level.first + level.count {
+            let (point, group) = (&functions.points[i as usize], functions.group_of(i as usize));
+            self.place(point, [i, group], &mut last, &mut placed);
         }
         placed
     }
 
-    /// Inserts a function into the cells that its support may reach: an ellipsoid, flat along the normal. Not
+    /// Inserts a function of a group into the cells that its support may reach: an ellipsoid, flat along the normal. Not
     /// inlined, since a browser runs wasm at full speed only from a later call of a function on.
     #[inline(never)]
-    fn place(&self, point: &Point, i: u32, last: &mut [u32], placed: &mut Vec<(u32, u32)>) {
+    fn place(&self, point: &Point, [i, group]: [u32; 2], last: &mut [u32], placed: &mut Vec<(u32, u32)>) {
         let (centre, normal) = (point.position(), point.normal());
         let radius = MARGIN * point.radius;
         let thickness = radius / (1.0 + SQUASH);
@@ -170,7 +172,7 @@ impl Grid {
                 for x in first.x..=last_cell.x {
                     let (offset_x, near_x) = along(x, centre.x);
                     if near + near_x <= radius * radius && (above + offset_x * normal.x).abs() <= thickest {
-                        let bucket = hash(IVec3::new(x, y, z)) as usize & (last.len() - 1);
+                        let bucket = hash(IVec3::new(x, y, z), group) as usize & (last.len() - 1);
                         if std::mem::replace(&mut last[bucket], i) != i {
                             placed.push((bucket as u32, i));
                         }
@@ -183,9 +185,12 @@ impl Grid {
 
 /// As `cell_hash` in lookup.wgsl.
 #[inline]
-fn hash(cell: IVec3) -> u32 {
+fn hash(cell: IVec3, group: u32) -> u32 {
     let [x, y, z] = cell.to_array().map(|c| c as u32);
-    let h = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
+    let h = x.wrapping_mul(0x8da6_b343)
+        ^ y.wrapping_mul(0xd816_3841)
+        ^ z.wrapping_mul(0xcb1a_b31f)
+        ^ group.wrapping_mul(0x85eb_ca6b);
     (h ^ (h >> 15)).wrapping_mul(0x9e37_79b9) >> 3
 }
 
@@ -238,21 +243,23 @@ mod tests {
         for i in 0..4000 {
             let (x, normal) = (place(i + 20_000), place(i + 40_000).normalize());
             for l in 0..2 {
-                let entries = lookup.entries(l, x);
-                assert!(entries.iter().all(|entry| entry.group() == groups[entry.function() as usize]));
-                let list: Vec<u32> = entries.iter().map(|entry| entry.function()).collect();
-                assert!(list.len() <= lookup.fullest(l));
-                assert!(list.windows(2).all(|w| w[0] < w[1]), "each function once");
-                assert!(list.iter().all(|&j| scene.level(l).contains(&(j as usize))));
-                let covers = |j: &usize| {
-                    let p = &scene.points[*j];
-                    weight(x - p.position(), normal, p.normal(), p.radius) > 0.0
-                };
-                for j in scene.level(l).filter(covers) {
-                    assert!(list.contains(&(j as u32)));
-                    found += 1;
+                for group in [0, 500, 1000] {
+                    let entries = lookup.entries(l, x, group);
+                    assert!(entries.iter().all(|entry| entry.group() == groups[entry.function() as usize]));
+                    let list: Vec<u32> = entries.iter().map(|entry| entry.function()).collect();
+                    assert!(list.len() <= lookup.fullest(l));
+                    assert!(list.windows(2).all(|w| w[0] < w[1]), "each function once");
+                    assert!(list.iter().all(|&j| scene.level(l).contains(&(j as usize))));
+                    let covers = |j: &usize| {
+                        let p = &scene.points[*j];
+                        groups[*j] == group && weight(x - p.position(), normal, p.normal(), p.radius) > 0.0
+                    };
+                    for j in scene.level(l).filter(covers) {
+                        assert!(list.contains(&(j as u32)));
+                        found += 1;
+                    }
+                    tested += list.len();
                 }
-                tested += list.len();
             }
         }
         // Brute force would test all points at each place.
@@ -265,6 +272,6 @@ mod tests {
         assert_eq!(Lookup::new(&functions(&scene, &[])).words, [0]);
         scene.meta.levels.push(Level::default());
         let lookup = Lookup::new(&functions(&scene, &[]));
-        assert!(lookup.entries(0, Vec3::ONE).is_empty() && lookup.fullest(0) == 0);
+        assert!(lookup.entries(0, Vec3::ONE, 0).is_empty() && lookup.fullest(0) == 0);
     }
 }

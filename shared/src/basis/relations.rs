@@ -33,7 +33,7 @@ pub struct Relations {
     pub lookup: Lookup,
 }
 
-/// Maximum number of functions in a bucket of a level. Poisson-disk spacing leaves a few dozen; a file with
+/// Maximum number of functions in a bucket of a level, which is of one reconstruction group but for chance. Poisson-disk spacing leaves a few dozen; a file with
 /// coincident points would take unbounded time.
 const MOST_IN_A_BUCKET: usize = 2048;
 /// Maximum number of functions tested per point in the search for parents, averaged over the points. Scenes need up
@@ -168,7 +168,7 @@ fn parents(
     for l in (0..level).rev() {
         row.clear();
         let mut total = 0.0;
-        let entries = lookup.entries(l, position);
+        let entries = lookup.entries(l, position, group);
         tested += entries.len() + 1;
         for j in entries.iter().filter(|entry| entry.group() == group).map(|entry| entry.function()) {
             let q = &points[j as usize];
@@ -213,6 +213,16 @@ mod tests {
 
     fn functions<'a>(points: &'a [Point], levels: &'a [Level]) -> Functions<'a> {
         Functions { points, cuts: &[], levels, groups: &[] }
+    }
+
+    #[test]
+    fn many_small_objects_in_one_place_are_no_crowd() {
+        // A box of screws: a thousand groups with four functions each, in one cell of the coarse level's grid.
+        let (points, levels) = crowd([4_000, 4_000], 1e-5);
+        let groups: Vec<u32> = (0..8_000).map(|i| i / 4 % 1_000).collect();
+        let functions = Functions { groups: &groups, ..functions(&points, &levels) };
+        let relations = Relations::new(&functions, 2, ParentWeights::Shepard).unwrap();
+        assert_eq!(relations.push_entries.len(), 4 * 4_000);
     }
 
     #[test]

@@ -148,7 +148,7 @@ fn covers(
     is_wanted: impl Fn(usize) -> bool,
 ) -> bool {
     let (position, group) = (functions.points[i].position(), functions.group_of(i));
-    lookup.entries(level, position).iter().any(|entry| {
+    lookup.entries(level, position, group).iter().any(|entry| {
         let j = entry.function() as usize;
         let q = &functions.points[j];
         entry.group() == group

@@ -72,7 +72,8 @@ impl Senders<'_> {
     /// supports no clip plane ends before it.
     fn nearest(&self, level: usize, rest: Vec3, place: &HitPoint) -> Option<u32> {
         let mut best = (f32::MAX, None);
-        for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
+        let entries = self.lookup.entries(level, rest, place.group);
+        for entry in entries.iter().filter(|entry| entry.group() == place.group) {
             let point = &self.points[entry.function() as usize];
             let distance = point.position().distance_squared(place.position);
             if distance < best.0.min(point.radius * point.radius)
@@ -88,7 +89,8 @@ impl Senders<'_> {
     /// The mean over the functions of a level that cover the place.
     fn mean(&self, level: usize, rest: Vec3, place: &HitPoint, light: &[Vec3]) -> Option<Vec3> {
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
+        let entries = self.lookup.entries(level, rest, place.group);
+        for entry in entries.iter().filter(|entry| entry.group() == place.group) {
             let point = &self.points[entry.function() as usize];
             let w = weight(place.position - point.position(), place.normal, point.normal(), point.radius);
             if w > 0.0 && !self.is_cut(point, place) {

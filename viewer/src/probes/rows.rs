@@ -11,6 +11,7 @@ use rebounce_shared::environment::bins;
 use rebounce_shared::kernel::{LEAST_WEIGHT, weight};
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::{Cut, Point};
+use rebounce_shared::rbn::groups::Groups;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::rbn::sources::Sources;
 
@@ -49,6 +50,7 @@ pub struct Input {
     materials: Vec<Material>,
     sources: Sources,
     group_of: Vec<Option<u32>>,
+    reconstruction: Groups,
 }
 
 /// An entry of a row: what a unit of a sender's light gives to a probe's radiance.
@@ -108,6 +110,7 @@ impl Input {
             materials: scene.meta.materials.clone(),
             group_of: scene.sources.group_of_materials(),
             sources: scene.sources.clone(),
+            reconstruction: scene.groups.clone(),
         }
     }
 
@@ -205,8 +208,10 @@ impl Input {
         let finest = self.supports.len();
         let level =
             self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
+        let group = self.reconstruction.of_material(hit.material);
         for level in (0..level).rev() {
-            let covering = self.lookup.entries(level, place).iter().map(|entry| {
+            let entries = self.lookup.entries(level, place, group);
+            let covering = entries.iter().filter(|entry| entry.group() == group).map(|entry| {
                 let j = entry.function();
                 let point = &self.points[j as usize];
                 let offset = place - point.position();

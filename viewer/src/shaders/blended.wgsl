@@ -46,7 +46,7 @@ fn bounced_at(place: vec3f, facing: vec3f) -> mat2x3f {
     let position = at_rest(vec4f(place, 1.0), group);
     let normal = at_rest(vec4f(facing, 0.0), group);
     for (var level = lookup[0]; level > 0u; level--) {
-        let list = bucket(level - 1u, position);
+        let list = bucket(level - 1u, position, group);
         var sum = vec3f(0.0);
         var total = 0.0;
         var tilt = vec4f(0.0);

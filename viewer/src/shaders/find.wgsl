@@ -51,7 +51,7 @@ fn write_row(slot: u32, place: Place, group: u32) -> bool {
     let normal = at_rest(vec4f(place.normal, 0.0), group);
     if place.present {
         for (var level = lookup[0]; level > 0u; level--) {
-            let list = bucket(level - 1u, position);
+            let list = bucket(level - 1u, position, group);
             looks += list.y - list.x;
             var total = 0.0;
             count = 0u;

@@ -54,7 +54,7 @@ fn sent_light(place: Sender, sender_level: u32, levels: u32, exact: bool) -> vec
     let rest = bvh_placed(place.rest, vec4f(place.position, 1.0));
     for (var k = 0u; k < levels; k++) {
         let level = select(levels - 1u - k, sender_level + k, sender_level + k < levels);
-        let list = bucket(level, rest);
+        let list = bucket(level, rest, place.group);
         var light = vec4f(0.0);
         if exact {
             light = mean_light(list, place);
