@@ -1,0 +1,113 @@
+//! Coefficient of a link: the kernel of the transport operator between a receiver and a sender, averaged over ten rays.
+//!
+//! ```text
+//! K_ij = 1/π ∫ B_j ρ V cos θ_i cos θ_y / |x_i − y|² dA_y  ≈  A_j / 10 · Σ_m a_j(ρ_m) V_m g(x_i, y_m)
+//! g(x, y) = cos θ_x cos θ_y / (π |x − y|² + A_j / 10)
+//! ```
+//!
+//! The denominator is that of a small disk seen from along its axis (Wallace, Elmquist and Haines 1989): the kernel stays
+//! bounded where receiver and sender touch.
+
+use super::quadrature::{PLACES, Place, Quadrature};
+use crate::geometry::Surfaces;
+use crate::sampling::SurfacePoint;
+use glam::{Vec3, Vec3A};
+
+/// A receiver as links see it.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint {
+    /// Origin of its rays, local space.
+    pub origin: Vec3,
+    /// Shading normal.
+    pub normal: Vec3,
+    /// Normal of the true surface: what is below it is not seen.
+    pub geometric_normal: Vec3,
+}
+
+impl Viewpoint {
+    /// Creates the viewpoint of a point.
+    pub fn of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint) -> Self {
+        let epsilon = surfaces.epsilon_at(point.position);
+        let origin = point.position + epsilon * point.geometric_normal;
+        Self { origin, normal: point.normal, geometric_normal: point.geometric_normal }
+    }
+
+    /// g(x, y) of a place that stands for this `area`; 0 where one of them faces away.
+    #[inline]
+    pub fn form_factor(&self, position: Vec3, normal: Vec3, area: f32) -> f32 {
+        let way = position - self.origin;
+        let (here, there) = (way.dot(self.normal), -way.dot(normal));
+        if here <= 0.0 || there <= 0.0 || way.dot(self.geometric_normal) <= 0.0 {
+            return 0.0;
+        }
+        let squared = way.length_squared();
+        here * there / (squared * (std::f32::consts::PI * squared + area))
+    }
+}
+
+/// Coefficient of a receiver and a sender.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coefficient {
+    /// K: irradiance along the receiver's normal per unit irradiance at the sender.
+    pub amount: f32,
+    /// Part of it that finer senders do not cover: it stays when the sender is refined.
+    pub kept: f32,
+    /// Standard deviation of the kernel over the sender's places, in the unit of the amount.
+    pub deviation: f32,
+    /// Share of the kernel that is visible.
+    pub visible: f32,
+    /// Number of rays cast.
+    pub rays: u32,
+}
+
+/// Light of a place in the tint of its sender, as a share of what arrives at it.
+#[inline]
+fn sent(place: &Place, through: Vec3, dual: Vec3A) -> f32 {
+    Vec3A::from(place.albedo * through).dot(dual)
+}
+
+/// Averages the kernel over the places of a sender. `dual` is the [dual](super::super::tint::duals) of its tint.
+pub fn coefficient<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    quadrature: &Quadrature,
+    receiver: &Viewpoint,
+    sender: usize,
+    dual: Vec3A,
+) -> Coefficient {
+    let area = quadrature.area(sender) / PLACES as f32;
+    if area <= 0.0 {
+        return Coefficient::default();
+    }
+    let (mut kernels, mut open) = ([0f32; PLACES], 0.0);
+    let mut out = Coefficient::default();
+    for (kernel, place) in kernels.iter_mut().zip(quadrature.places(sender)) {
+        let g = area * receiver.form_factor(place.position, place.normal, area);
+        if g <= 0.0 {
+            continue;
+        }
+        out.rays += 1;
+        let through = surfaces.transmittance(receiver.origin, place.position);
+        open += g * sent(place, Vec3::ONE, dual);
+        *kernel = g * sent(place, through, dual);
+        out.amount += *kernel;
+        if !place.is_handed_on {
+            out.kept += *kernel;
+        }
+    }
+    let mean = out.amount / PLACES as f32;
+    let squares: f32 = kernels.iter().map(|kernel| (kernel - mean).powi(2)).sum();
+    out.deviation = (PLACES as f32 * squares).sqrt();
+    out.visible = if open > 0.0 { out.amount / open } else { 1.0 };
+    out
+}
+
+/// Kernel without visibility, from the middle of a sender's places: `area` times reflectance times g.
+pub fn unoccluded(quadrature: &Quadrature, receiver: &Viewpoint, sender: usize, dual: Vec3A) -> f32 {
+    let area = quadrature.area(sender);
+    let of_one = area / PLACES as f32;
+    let places = quadrature.places(sender).iter();
+    places.map(|place| {
+        of_one * receiver.form_factor(place.position, place.normal, of_one) * sent(place, Vec3::ONE, dual)
+    })
+    .sum()
+}

@@ -1,0 +1,162 @@
+//! Quadrature of the senders: ten places on each sender's surface that stand for equal parts of the area under its
+//! function, A_j = ∫ B_j dA. A link is the mean of its kernel over them (Lehtinen et al. 2007, 6.5).
+
+use crate::basis::{Evaluator, SENDER_OVERLAP};
+use crate::geometry::{Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
+use crate::random::{Stream, mix};
+use crate::sampling::Points;
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
+use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT};
+
+/// Places of a sender, and rays of a link.
+pub const PLACES: usize = 10;
+/// Candidates that the places are chosen from: on the finest sender level, and at most.
+const CANDIDATES: [usize; 2] = [32, 128];
+/// Height of the candidates' rays above the surface, in support radii.
+const ABOVE: f32 = 0.1;
+
+/// A place on a sender.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Position, moved off the surface, local space.
+    pub position: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Linear RGB reflectance.
+    pub albedo: Vec3,
+    /// Whether a function of the next finer sender level covers the place: a refined sender hands the place on.
+    pub is_handed_on: bool,
+}
+
+/// Places of all senders.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quadrature {
+    /// Area under each sender's function, square scene units; 0 for a sender without places.
+    areas: Vec<f32>,
+    /// [`PLACES`] places for each sender with an area.
+    places: Vec<[Place; PLACES]>,
+}
+
+impl Quadrature {
+    /// Finds the places of the senders on the levels of `evaluators`, coarsest first. A unit of `watch` is a sender.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn new<S: Surfaces + ?Sized>(
+        surfaces: &S,
+        points: &Points,
+        evaluators: &[Evaluator],
+        watch: &dyn Watch,
+    ) -> Result<Self, Stopped> {
+        let mut all = Self::default();
+        watch.expect(points.count_on(evaluators.len()) as u64);
+        for (level, evaluator) in evaluators.iter().enumerate() {
+            let finer = &evaluators[level + 1..];
+            let count = (CANDIDATES[0] << (2 * finer.len()).min(16)).min(CANDIDATES[1]);
+            let found = points.levels[level].range().into_par_iter().map(|sender| {
+                watch.step(1)?;
+                Ok(Sampler { surfaces, points, evaluator, finer, level }.places(sender, count))
+            });
+            for (area, places) in found.collect::<Result<Vec<_>, Stopped>>()? {
+                all.areas.push(area);
+                all.places.push(places);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Area under a sender's function, square scene units.
+    #[inline]
+    pub fn area(&self, sender: usize) -> f32 {
+        self.areas[sender]
+    }
+
+    /// Places of a sender; they mean nothing where the area is 0.
+    #[inline]
+    pub fn places(&self, sender: usize) -> &[Place; PLACES] {
+        &self.places[sender]
+    }
+
+    /// Number of senders.
+    pub fn count(&self) -> usize {
+        self.areas.len()
+    }
+}
+
+/// Finds the places of senders of a level.
+struct Sampler<'a, S: ?Sized> {
+    surfaces: &'a S,
+    points: &'a Points,
+    evaluator: &'a Evaluator,
+    /// Evaluators of the finer sender levels, coarsest first.
+    finer: &'a [Evaluator],
+    level: usize,
+}
+
+impl<S: Surfaces + ?Sized> Sampler<'_, S> {
+    /// Area under a sender's function, and its places: of `count` candidates spread evenly over the support's
+    /// disk, those at equal steps of the area summed along a spiral.
+    fn places(&self, sender: usize, count: usize) -> (f32, [Place; PLACES]) {
+        let point = &self.points.points[sender];
+        let radius = SENDER_OVERLAP
+            * self.points.levels[self.level].disk_radius
+            * self.points.scale(point.group);
+        let of_candidate = std::f32::consts::PI * radius * radius / count as f32;
+        let spread = (std::f32::consts::PI / count as f32).sqrt() / ABOVE;
+        let (first, second) = point.normal.any_orthonormal_pair();
+        // Golden angle (Vogel 1979), turned by chance.
+        let turn = Stream::new(0x706c_6163, sender as u64).unit();
+        let mut found: Vec<(f32, Place)> = Vec::with_capacity(count);
+        let mut area = 0.0;
+        for k in 0..count {
+            let angle = std::f32::consts::TAU * (turn + 0.381_966_02 * k as f32).fract();
+            let length = ((k as f32 + 0.5) / count as f32).sqrt();
+            let along = length * (first * angle.cosine() + second * angle.sine());
+            let origin = point.position + radius * (along + ABOVE * point.normal);
+            let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
+            let Some(hit) = self.surfaces.cast(&down, mix(sender as u64 ^ (k as u64) << 32) as u32) else {
+                continue;
+            };
+            if !hit.faces(down.direction) || hit.group != point.group {
+                continue;
+            }
+            let mut own = 0.0;
+            let total = self.evaluator.gather(hit.position, hit.normal, hit.group, |function, weight| {
+                if function as usize == sender {
+                    own = weight;
+                }
+            });
+            if own <= 0.0 || total <= LEAST_WEIGHT {
+                continue;
+            }
+            let slope = hit.geometric_normal.dot(point.normal).max(LEAST_COSINE);
+            area += own / total * of_candidate / slope;
+            let covers = |finer: &Evaluator| {
+                finer.gather(hit.position, hit.normal, hit.group, |_, _| {}) > LEAST_WEIGHT
+            };
+            let epsilon = self.surfaces.epsilon_at(hit.position);
+            let place = Place {
+                position: hit.position + epsilon * hit.geometric_normal,
+                normal: hit.normal,
+                albedo: hit.albedo,
+                is_handed_on: self.finer.iter().any(covers),
+            };
+            found.push((area, place));
+        }
+        let nowhere = Place {
+            position: point.position,
+            normal: point.normal,
+            albedo: Vec3::ZERO,
+            is_handed_on: false,
+        };
+        let places = std::array::from_fn(|k| {
+            let step = area * (k as f32 + 0.5) / PLACES as f32;
+            let at = found.partition_point(|(summed, _)| *summed < step);
+            found.get(at.min(found.len().max(1) - 1)).map_or(nowhere, |(_, place)| *place)
+        });
+        (area, places)
+    }
+}
