@@ -6,7 +6,7 @@
 mod evaluator;
 
 use crate::sampling::Points;
-pub use evaluator::{Evaluator, FetchStep, Leveled, Support};
+pub use evaluator::{CoveringLevel, Evaluator, FetchStep, Leveled, Support};
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::basis::{Functions, ParentWeights};
 use rebounce_shared::rbn::RbnError;

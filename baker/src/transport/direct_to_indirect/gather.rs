@@ -6,8 +6,8 @@ use super::directions::Directions;
 use super::gather_batch::GatherBatch;
 use super::gather_context::{GatherContext, GatherCost, PREDICTED};
 use super::neighbourhood::{Difference, Neighbourhood, Row};
-use super::pairwise::inspect::{HandedLink, PairScratch};
 use super::pairwise;
+use super::pairwise::inspect::{HandedLink, PairScratch};
 use super::sparsify::{PooledNoise, sparsify, sparsify_pooled};
 use crate::geometry::Surfaces;
 use rebounce_shared::link::{Link, Sent};
@@ -210,7 +210,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
 
     /// Sparsifies the value of a receiver with its own links: the links plus the parents' values in
     /// `sums`.
-    pub(super) fn value_with(&self, links: &[Link], level: usize, sums: &mut SparseAccumulator<2>) -> Vec<Link> {
+    pub(super) fn value_with(
+        &self,
+        links: &[Link],
+        level: usize,
+        sums: &mut SparseAccumulator<2>,
+    ) -> Vec<Link> {
         for link in links {
             sums.add(PREDICTED, link.sender(), link.amount());
         }

@@ -106,7 +106,7 @@ mod tests {
             Gathered {
                 links: vec![Link::pack(3, 0.5), Link::pack(4, 0.25)],
                 value: vec![Link::pack(3, 0.5), Link::pack(9, -0.1)],
-                handed: vec![HandedLink { sender: 3, share: 0.5, amount: 0.25 }],
+                handed: vec![HandedLink { sender: 3, share: 0.5, amount: 0.25, open: 0.5, is_refined: 1 }],
                 cost: GatherCost { rays: 512, seen: 0.7, lost: 1e-9 },
             },
         ])

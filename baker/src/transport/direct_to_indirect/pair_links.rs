@@ -36,11 +36,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         mut done: impl FnMut(usize, Gathered),
     ) {
         let &PairGather { receivers, level, directions, values, handed, row_sums, pairwise } = gather;
-        let context = GatherContext { senders: &pairwise.roots, tiles: None, ..*self };
         let epsilon = self.settings.epsilon_on(level);
         let Scratch { senders, pairs, .. } = scratch;
         for &receiver in receivers {
-            let pair = PairReceiver { context: &context, pairwise, receiver, level };
+            let pair = PairReceiver { context: self, pairwise, receiver, level };
             let is_initial = self.relations.push().row(receiver).is_empty();
             let Inspected { handed, mut cost } = if is_initial {
                 pair.initial(directions, senders, pairs)
@@ -50,7 +49,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             };
             if !is_initial {
                 // What the row would say without sparsification, in place of what rays have seen.
-                cost = GatherCost { seen: self.parents(receiver).map(|(k, share)| (share * row_sums[k]) as f64).sum(), ..cost };
+                cost = GatherCost {
+                    seen: self.parents(receiver).map(|(k, share)| (share * row_sums[k]) as f64).sum(),
+                    ..cost
+                };
                 senders.each(|_, [found, said]| cost.seen += (found - said) as f64);
             }
             let links = sparsify(senders, |[found, said]| (found, said), epsilon, 0.0);

@@ -112,7 +112,8 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
     fn is_wanted(&self, i: usize) -> bool {
         if self.pairwise.is_some() {
             let parents = self.context.relations.push().row(i);
-            return parents.is_empty() || parents.iter().any(|parent| !self.handed[parent.point()].is_empty());
+            return parents.is_empty()
+                || parents.iter().any(|parent| !self.handed[parent.point()].is_empty());
         }
         if self.level <= self.context.settings.far_levels && self.context.settings.far_levels > 0 {
             return true;

@@ -1,10 +1,10 @@
 //! The senders of an operator: functions, tints, hit cache and blocks.
 
-use super::{OperatorSettings, Refinement};
 use super::gather_context::GatherContext;
 use super::hit_cache::{HitCache, Layout};
 use super::neighbourhood::SenderBlocks;
 use super::tint;
+use super::{OperatorSettings, Refinement};
 use crate::basis::{Leveled, Relations, sender_evaluator};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};

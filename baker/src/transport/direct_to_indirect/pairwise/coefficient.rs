@@ -8,6 +8,7 @@
 //! The denominator is that of a small disk seen from along its axis (Wallace, Elmquist and Haines 1989): the kernel stays
 //! bounded where receiver and sender touch.
 
+use super::hits::NearField;
 use super::quadrature::{PLACES, Place, Quadrature};
 use crate::geometry::Surfaces;
 use crate::sampling::SurfacePoint;
@@ -54,8 +55,9 @@ pub struct Coefficient {
     pub kept: f32,
     /// Standard deviation of the kernel over the sender's places, in the unit of the amount.
     pub deviation: f32,
-    /// Share of the kernel that is visible.
-    pub visible: f32,
+    /// The kernel at the places, and the same without visibility.
+    pub seen: f32,
+    pub open: f32,
     /// Number of rays cast.
     pub rays: u32,
 }
@@ -66,38 +68,50 @@ fn sent(place: &Place, through: Vec3, dual: Vec3A) -> f32 {
     Vec3A::from(place.albedo * through).dot(dual)
 }
 
-/// Averages the kernel over the places of a sender. `dual` is the [dual](super::super::tint::duals) of its tint.
+/// Averages the kernel over the places of a sender. `dual` is the [dual](super::super::tint::duals) of its tint. `near` gives
+/// the part of the link that is nearer than the root of its argument; it is asked only where the sender may be so near.
 pub fn coefficient<S: Surfaces + ?Sized>(
     surfaces: &S,
     quadrature: &Quadrature,
     receiver: &Viewpoint,
     sender: usize,
     dual: Vec3A,
+    near: impl FnOnce(f32) -> NearField,
 ) -> Coefficient {
     let area = quadrature.area(sender) / PLACES as f32;
     if area <= 0.0 {
         return Coefficient::default();
     }
-    let (mut kernels, mut open) = ([0f32; PLACES], 0.0);
+    let (limit, reach) = (quadrature.near_squared(sender), quadrature.reach(sender));
+    let (mut kernels, mut is_near) = ([0f32; PLACES], false);
     let mut out = Coefficient::default();
     for (kernel, place) in kernels.iter_mut().zip(quadrature.places(sender)) {
         let g = area * receiver.form_factor(place.position, place.normal, area);
         if g <= 0.0 {
             continue;
         }
+        let squared = receiver.origin.distance_squared(place.position);
+        is_near |= squared < reach;
         out.rays += 1;
         let through = surfaces.transmittance(receiver.origin, place.position);
-        open += g * sent(place, Vec3::ONE, dual);
+        out.open += g * sent(place, Vec3::ONE, dual);
         *kernel = g * sent(place, through, dual);
-        out.amount += *kernel;
-        if !place.is_handed_on {
-            out.kept += *kernel;
+        out.seen += *kernel;
+        if squared >= limit {
+            out.amount += *kernel;
+            out.kept += if place.is_handed_on { 0.0 } else { *kernel };
         }
     }
-    let mean = out.amount / PLACES as f32;
+    let mean = out.seen / PLACES as f32;
     let squares: f32 = kernels.iter().map(|kernel| (kernel - mean).powi(2)).sum();
     out.deviation = (PLACES as f32 * squares).sqrt();
-    out.visible = if open > 0.0 { out.amount / open } else { 1.0 };
+    if is_near {
+        let near = near(limit);
+        out.amount += near.amount;
+        out.kept += near.kept;
+        // Where the places do not resolve the kernel it varies as much as it is.
+        out.deviation = out.deviation.max(near.amount);
+    }
     out
 }
 
@@ -106,8 +120,9 @@ pub fn unoccluded(quadrature: &Quadrature, receiver: &Viewpoint, sender: usize, 
     let area = quadrature.area(sender);
     let of_one = area / PLACES as f32;
     let places = quadrature.places(sender).iter();
-    places.map(|place| {
-        of_one * receiver.form_factor(place.position, place.normal, of_one) * sent(place, Vec3::ONE, dual)
-    })
-    .sum()
+    places
+        .map(|place| {
+            of_one * receiver.form_factor(place.position, place.normal, of_one) * sent(place, Vec3::ONE, dual)
+        })
+        .sum()
 }

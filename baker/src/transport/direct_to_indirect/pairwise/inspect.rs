@@ -8,18 +8,18 @@
 
 use super::super::accumulator::SparseAccumulator;
 use super::super::directions::Directions;
-use super::super::gather_batch::GatherBatch;
 use super::super::gather_context::{GATHERED, GatherContext, GatherCost, PREDICTED};
 use super::Pairwise;
 use super::coefficient::{Coefficient, Viewpoint, coefficient, unoccluded};
+use super::hits::HemisphereHits;
 use super::oracle::{Inspection, Oracle, RefinedEnd};
 use super::quadrature::PLACES;
 use crate::geometry::Surfaces;
 use bytemuck::{Pod, Zeroable};
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 
-/// A link that is refined at its receiver, as the receiver's children take it over.
+/// A link of a receiver, as the receiver's children take it over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct HandedLink {
@@ -29,28 +29,62 @@ pub struct HandedLink {
     pub share: f32,
     /// Irradiance of the receiver per unit irradiance at the sender.
     pub amount: f32,
+    /// The same without visibility.
+    pub open: f32,
+    /// 1 for a link that is refined at the receiver: rays find its coefficient at the children. 0 for a smooth link, which
+    /// changes at the children as the kernel without visibility does.
+    pub is_refined: u32,
 }
 
 /// A link to inspect.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct OpenLink {
     share: f32,
-    /// Irradiance that the parents' links give already.
+    /// Irradiance that the parents' links give already, with and without visibility.
     predicted: f32,
-    /// Irradiance found by the initial gather; `None` where the kernel says it.
-    gathered: Option<f32>,
+    open: f32,
+    /// Irradiance known beforehand: found by the initial gather, or a part of a refined link.
+    known: Option<f32>,
+    /// Whether it is smooth for all parents that hand it down.
+    is_smooth: bool,
 }
 
+impl OpenLink {
+    /// The part of a refined link that a child of its sender takes over.
+    fn part(share: f32, amount: f32) -> Self {
+        Self { share, known: Some(amount), ..Self::default() }
+    }
+}
+
+/// Least magnitude of a link that is handed down, as a share of the oracle's threshold.
+const LEAST_HANDED: f32 = 1.0 / 64.0;
 /// Least share of a link that is refined on.
 const LEAST_SHARE: f32 = 1e-4;
 
 /// Working memory of a thread.
 #[derive(Default)]
 pub struct PairScratch {
-    found: GatherBatch,
+    hits: HemisphereHits,
+    /// Whether the receiver's hemisphere is cast.
+    has_hits: bool,
+    /// Coefficients of the receiver found so far, by sender.
+    known: HashMap<u32, Coefficient>,
     /// Links to inspect, by sender: senders come before their children, and shares of a child add up before it is
     /// inspected.
     open: BTreeMap<u32, OpenLink>,
+}
+
+static CORRECTED: std::sync::LazyLock<(f32, f32)> =
+    std::sync::LazyLock::new(|| match std::env::var("PW_C").as_deref() {
+        Ok("0") => (1.0, 1.0),
+        Ok("2") => (0.9, 1.1),
+        _ => (0.75, 1.33),
+    });
+static ORACLE: std::sync::LazyLock<f32> =
+    std::sync::LazyLock::new(|| std::env::var("PW_O").map_or(1.0, |o| o.parse().unwrap()));
+
+fn ratio(a: f32, b: f32) -> f32 {
+    if b > 0.0 { a / b } else { 1.0 }
 }
 
 impl PairScratch {
@@ -62,6 +96,9 @@ impl PairScratch {
                 let known = known.get_mut();
                 known.share += link.share;
                 known.predicted += link.predicted;
+                known.open += link.open;
+                known.known = known.known.zip(link.known).map(|(a, b)| a + b);
+                known.is_smooth &= link.is_smooth;
             }
         }
     }
@@ -81,8 +118,6 @@ struct Ends {
     receiver: Viewpoint,
     /// Children of the receiver; none on the finest level.
     children: Vec<Viewpoint>,
-    /// Number of senders.
-    senders: usize,
 }
 
 /// A receiver whose links are inspected.
@@ -106,20 +141,17 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         sums: &mut SparseAccumulator<2>,
         scratch: &mut PairScratch,
     ) -> Inspected {
-        scratch.found.cast(self.context, &[self.receiver], directions);
-        let cost = scratch.found.add(0, sums);
-        let mut initial = vec![0.0; self.pairwise.root_count];
-        sums.each(|sender, [amount, _]| match initial.get_mut(sender as usize) {
-            Some(initial) => *initial = amount,
-            None => scratch.open(sender, OpenLink { share: 1.0, predicted: 0.0, gathered: Some(amount) }),
-        });
-        sums.clear();
+        let cost = scratch.hits.cast(self.context, self.receiver, directions, f32::INFINITY);
         // Pairs that no ray has found are inspected too: the receiver's children may see what it does not.
-        for (sender, amount) in (0..).zip(initial) {
-            scratch.open(sender, OpenLink { share: 1.0, predicted: 0.0, gathered: Some(amount) });
+        for sender in 0..self.pairwise.root_count as u32 {
+            scratch.open(sender, OpenLink::part(1.0, 0.0));
         }
+        let PairScratch { hits, open, .. } = scratch;
+        hits.initial(|sender, amount| {
+            open.insert(sender, OpenLink::part(1.0, amount));
+        });
+        scratch.has_hits = true;
         let mut out = Inspected { cost, ..Inspected::default() };
-        out.cost.rays = directions.len() as u64;
         self.refine(sums, scratch, &mut out);
         out
     }
@@ -131,10 +163,17 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         sums: &mut SparseAccumulator<2>,
         scratch: &mut PairScratch,
     ) -> Inspected {
+        scratch.has_hits = false;
         for (links, share) in parents {
             for link in links {
-                let predicted = share * link.amount;
-                scratch.open(link.sender, OpenLink { share: share * link.share, predicted, gathered: None });
+                let open = OpenLink {
+                    share: share * link.share,
+                    predicted: share * link.amount,
+                    open: share * link.open,
+                    known: None,
+                    is_smooth: link.is_refined == 0,
+                };
+                scratch.open(link.sender, open);
             }
         }
         let mut out = Inspected::default();
@@ -146,66 +185,116 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
     fn refine(&self, sums: &mut SparseAccumulator<2>, scratch: &mut PairScratch, out: &mut Inspected) {
         let settings = self.context.settings;
         let oracle = Oracle {
-            epsilon: settings.epsilon_on(self.level),
-            finer_epsilon: settings.epsilon_on(self.level + 1),
+            epsilon: *ORACLE * settings.epsilon_on(self.level),
+            finer_epsilon: *ORACLE * settings.epsilon_on(self.level + 1),
         };
         let point = &self.context.points.points[self.receiver];
-        let ends = Ends {
-            receiver: Viewpoint::of(self.context.surfaces, point),
-            children: self.children(),
-            senders: self.pairwise.quadrature.count(),
+        let ends = Ends { receiver: Viewpoint::of(self.context.surfaces, point), children: self.children() };
+        scratch.known.clear();
+        let least = if ends.children.is_empty() { f32::INFINITY } else { LEAST_HANDED * oracle.epsilon };
+        let hand = |link: HandedLink, out: &mut Inspected| {
+            if link.amount.max(link.open) > least {
+                out.handed.push(link);
+            }
         };
         while let Some((sender, link)) = scratch.open.pop_first() {
-            let sender = sender as usize;
-            let (found, decided, amount) = self.inspect(sender, &link, &ends, &oracle, &mut out.cost);
-            sums.add(PREDICTED, sender, link.predicted);
+            let at = sender as usize;
+            sums.add(PREDICTED, at, link.predicted);
+            if link.is_smooth {
+                let dual = self.context.duals[at];
+                let open = link.share * unoccluded(&self.pairwise.quadrature, &ends.receiver, at, dual);
+                let amount = link.predicted * if link.open > 0.0 { open / link.open } else { 1.0 };
+                if (amount - link.predicted).abs() <= oracle.epsilon {
+                    sums.add(GATHERED, at, amount);
+                    hand(HandedLink { sender, share: link.share, amount, open, is_refined: 0 }, out);
+                    continue;
+                }
+            }
+            let found = self.coefficient(at, &ends.receiver, scratch, &mut out.cost);
+            let amount = link.known.unwrap_or(link.share * found.amount);
+            let share =
+                link.share * CORRECTED.1.min(CORRECTED.0.max(ratio(amount, link.share * found.amount)));
+            let decided = oracle.decide(&self.inspection(at, &link, amount, &found, &ends, &mut out.cost));
             if decided == Some(RefinedEnd::Sender) {
-                if found.kept > 0.0 {
-                    sums.add(GATHERED, sender, link.share * found.kept);
-                }
-                for &(child, under) in self.pairwise.children.of(sender) {
-                    if (child as usize) < ends.senders {
-                        let share = link.share * under;
-                        scratch.open(child, OpenLink { share, predicted: 0.0, gathered: None });
+                let children = self.pairwise.sender_children.of(at);
+                let of_children: Vec<f32> = children
+                    .iter()
+                    .map(|&(child, under)| {
+                        let found = self.coefficient(child as usize, &ends.receiver, scratch, &mut out.cost);
+                        link.share * under * found.amount
+                    })
+                    .collect();
+                let sum: f32 = of_children.iter().sum();
+                // A link keeps its sum; it stays where no child's rays meet what its own have.
+                if sum > 0.0 {
+                    let kept = link.share * found.kept;
+                    sums.add(GATHERED, at, kept);
+                    let scale = (amount - kept).max(0.0) / sum;
+                    for (&(child, under), part) in children.iter().zip(of_children) {
+                        scratch.open(child, OpenLink::part(link.share * under, scale * part));
                     }
+                    continue;
                 }
-                continue;
             }
-            sums.add(GATHERED, sender, amount);
-            if decided == Some(RefinedEnd::Receiver) {
-                out.handed.push(HandedLink { sender: sender as u32, share: link.share, amount });
-            }
+            sums.add(GATHERED, at, amount);
+            let is_refined = (decided == Some(RefinedEnd::Receiver)) as u32;
+            let open = share * found.open;
+            hand(HandedLink { sender, share, amount, open, is_refined }, out);
         }
     }
 
-    /// Coefficient of a link, the end to refine, and the link's amount.
-    fn inspect(
+    /// Coefficient of a sender, found once.
+    fn coefficient(
+        &self,
+        sender: usize,
+        viewpoint: &Viewpoint,
+        scratch: &mut PairScratch,
+        cost: &mut GatherCost,
+    ) -> Coefficient {
+        if let Some(known) = scratch.known.get(&(sender as u32)) {
+            return *known;
+        }
+        let PairScratch { hits, has_hits, .. } = scratch;
+        let near = |squared: f32| {
+            if !*has_hits {
+                let directions = &self.pairwise.near_directions[self.level];
+                cost.rays += directions.len() as u64;
+                hits.cast(self.context, self.receiver, directions, self.pairwise.farthest);
+                *has_hits = true;
+            }
+            hits.near(sender, squared)
+        };
+        let (surfaces, dual) = (self.context.surfaces, self.context.duals[sender]);
+        let found = coefficient(surfaces, &self.pairwise.quadrature, viewpoint, sender, dual, near);
+        cost.rays += found.rays as u64;
+        scratch.known.insert(sender as u32, found);
+        found
+    }
+
+    /// What the oracle is told of a link with this amount.
+    fn inspection(
         &self,
         sender: usize,
         link: &OpenLink,
+        amount: f32,
+        found: &Coefficient,
         ends: &Ends,
-        oracle: &Oracle,
         cost: &mut GatherCost,
-    ) -> (Coefficient, Option<RefinedEnd>, f32) {
-        let &OpenLink { share, predicted, gathered } = link;
-        let (surfaces, quadrature) = (self.context.surfaces, &self.pairwise.quadrature);
-        let found = coefficient(surfaces, quadrature, &ends.receiver, sender, self.context.duals[sender]);
-        let (over_receiver, strongest, rays) = self.over_children(sender, &found, &ends.children);
-        cost.rays += found.rays as u64 + rays;
-        let amount = gathered.unwrap_or(share * found.amount);
-        let mut children = self.pairwise.children.of(sender).iter();
-        let is_refinable = share > LEAST_SHARE && children.any(|child| (child.0 as usize) < ends.senders);
-        let decided = oracle.decide(&Inspection {
-            over_sender: if is_refinable { share * found.deviation } else { 0.0 },
-            over_receiver: share * over_receiver,
-            magnitude: amount.abs().max(predicted.abs()).max(share * strongest),
-        });
-        (found, decided, amount)
+    ) -> Inspection {
+        let (over_receiver, strongest, rays) = self.over_children(sender, found, &ends.children);
+        cost.rays += rays;
+        let has_children = !self.pairwise.sender_children.of(sender).is_empty();
+        let is_refinable = has_children && link.share > LEAST_SHARE;
+        Inspection {
+            over_sender: if is_refinable { link.share * found.deviation } else { 0.0 },
+            over_receiver: link.share * over_receiver,
+            magnitude: amount.max(link.predicted).max(link.share * strongest),
+        }
     }
 
     /// At most [`PLACES`] of the receiver's children, spread over all of them.
     fn children(&self) -> Vec<Viewpoint> {
-        let all = self.pairwise.children.of(self.receiver);
+        let all = self.pairwise.receiver_children.of(self.receiver);
         let count = all.len().min(PLACES);
         let place = |k: usize| all[k * all.len() / count].0 as usize;
         (0..count)
@@ -222,10 +311,9 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
             return (0.0, 0.0, 0);
         }
         let (mut squares, mut all, mut seen, mut strongest, mut rays) = (0.0, 0.0, 0.0, 0f32, 0);
-        let at_receiver = if found.visible > 0.0 { found.amount / found.visible } else { 0.0 };
         for (k, child) in children.iter().enumerate() {
             let open = unoccluded(quadrature, child, sender, dual);
-            squares += (open - at_receiver).powi(2);
+            squares += (open - found.open).powi(2);
             all += open;
             let place = &quadrature.places(sender)[k % PLACES];
             let is_above = (place.position - child.origin).dot(child.geometric_normal) > 0.0;
@@ -240,7 +328,7 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         let count = children.len() as f32;
         let mean = all / count;
         // The receiver's own rays count as those of a child.
-        let visible = (seen + found.amount) / (all + at_receiver).max(f32::MIN_POSITIVE);
+        let visible = (seen + found.seen) / (all + found.open).max(f32::MIN_POSITIVE);
         let visible = visible.clamp(0.0, 1.0);
         let hidden = mean * mean * visible * (1.0 - visible);
         ((visible * visible * squares / count + hidden).sqrt(), strongest, rays)
@@ -251,5 +339,5 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
 pub fn fits(links: &[HandedLink], senders: usize) -> bool {
     links.windows(2).all(|pair| pair[0].sender < pair[1].sender)
         && links.last().is_none_or(|last| (last.sender as usize) < senders)
-        && links.iter().all(|link| link.share.is_finite() && link.amount.is_finite())
+        && links.iter().all(|link| link.share.is_finite() && link.amount.is_finite() && link.open.is_finite())
 }

@@ -6,7 +6,8 @@
 //! children of that end, so that all links together stand for all transport once.
 //!
 //! * [`quadrature`] – the ten places of each sender that links are averaged over;
-//! * [`children`] – children of every function, with the shares that stand under it;
+//! * [`children`] – children of receivers and senders, with the shares that stand under them;
+//! * [`hits`] – a receiver's hemisphere: the initial gather, and the near field of links;
 //! * [`coefficient`] – the kernel of a receiver and a sender, averaged over ten rays;
 //! * [`oracle`] – which end of a link is refined;
 //! * [`inspect`] – a receiver's links: the initial gather, links handed down by parents, and their refinement.
@@ -16,13 +17,16 @@ pub mod children;
 #[doc(hidden)]
 pub mod coefficient;
 #[doc(hidden)]
+pub mod hits;
+#[doc(hidden)]
 pub mod inspect;
 #[doc(hidden)]
 pub mod oracle;
 #[doc(hidden)]
 pub mod quadrature;
 
-use crate::basis::{Leveled, Relations, sender_evaluator};
+use super::directions::Directions;
+use crate::basis::{Relations, sender_evaluator};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;
@@ -30,14 +34,21 @@ use crate::transport::operator::OperatorSettings;
 use children::Children;
 use quadrature::Quadrature;
 
+/// Rays of a receiver's near field: on the finest level, and at most.
+const NEAR_RAYS: [u32; 2] = [128, 1024];
+
 /// What pairwise refinement reads besides points and surfaces.
 pub struct Pairwise {
-    /// Functions that initial links leave from: at each hit those of the coarsest level that covers it.
-    pub roots: Leveled,
     /// Number of functions of the coarsest level.
     pub root_count: usize,
-    /// Children of every function.
-    pub children: Children,
+    /// Directions of the near field of a receiver, by level.
+    pub near_directions: Vec<Directions>,
+    /// Distance of the farthest near field, scene units.
+    pub farthest: f32,
+    /// Children of every receiver.
+    pub receiver_children: Children,
+    /// Children of every sender.
+    pub sender_children: Children,
     /// Places of every sender.
     pub quadrature: Quadrature,
 }
@@ -55,13 +66,19 @@ impl Pairwise {
         watch: &dyn Watch,
     ) -> Result<Self, Stopped> {
         let levels = settings.sender_levels.min(points.levels.len());
-        let evaluators = || (0..levels).map(|level| sender_evaluator(points, level));
-        let quadrature = Quadrature::new(surfaces, points, &evaluators().collect::<Vec<_>>(), watch)?;
+        let evaluators: Vec<_> = (0..levels).map(|level| sender_evaluator(points, level)).collect();
+        let quadrature = Quadrature::new(surfaces, points, &evaluators, watch)?;
+        let farthest = (0..quadrature.count()).map(|sender| quadrature.near_squared(sender));
+        let rays = |above: usize| (NEAR_RAYS[0] << (2 * above).min(16)).min(NEAR_RAYS[1]);
         Ok(Self {
-            // The finest level is asked first: here the coarsest stands in its place.
-            roots: Leveled::new(evaluators().rev().collect()),
             root_count: points.count_on(1),
-            children: Children::new(relations, points.points.len()),
+            farthest: farthest.fold(0f32, f32::max).sqrt(),
+            near_directions: (0..points.levels.len())
+                .rev()
+                .map(|above| Directions::new(rays(above)))
+                .collect(),
+            receiver_children: Children::of_receivers(relations, points.points.len()),
+            sender_children: quadrature.children(),
             quadrature,
         })
     }

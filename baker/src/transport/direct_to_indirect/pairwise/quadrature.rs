@@ -1,6 +1,7 @@
 //! Quadrature of the senders: ten places on each sender's surface that stand for equal parts of the area under its
 //! function, A_j = ∫ B_j dA. A link is the mean of its kernel over them (Lehtinen et al. 2007, 6.5).
 
+use super::children::Children;
 use crate::basis::{Evaluator, SENDER_OVERLAP};
 use crate::geometry::{Ray, Surfaces};
 use crate::job::watch::{Stopped, Watch};
@@ -17,6 +18,9 @@ pub const PLACES: usize = 10;
 const CANDIDATES: [usize; 2] = [32, 128];
 /// Height of the candidates' rays above the surface, in support radii.
 const ABOVE: f32 = 0.1;
+
+/// Distance from which places resolve the kernel, in roots of the area that a place stands for.
+const NEAR: f32 = 2.0;
 
 /// A place on a sender.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +42,8 @@ pub struct Quadrature {
     areas: Vec<f32>,
     /// [`PLACES`] places for each sender with an area.
     places: Vec<[Place; PLACES]>,
+    /// Functions that cover each sender's places on the finest coarser level, with their mean weights.
+    parents: Vec<Vec<(u32, f32)>>,
 }
 
 impl Quadrature {
@@ -58,11 +64,19 @@ impl Quadrature {
             let count = (CANDIDATES[0] << (2 * finer.len()).min(16)).min(CANDIDATES[1]);
             let found = points.levels[level].range().into_par_iter().map(|sender| {
                 watch.step(1)?;
-                Ok(Sampler { surfaces, points, evaluator, finer, level }.places(sender, count))
+                let (area, places) =
+                    Sampler { surfaces, points, evaluator, finer, level }.places(sender, count);
+                let parents = if area > 0.0 {
+                    parents(&places, points.points[sender].group, &evaluators[..level])
+                } else {
+                    Vec::new()
+                };
+                Ok((area, places, parents))
             });
-            for (area, places) in found.collect::<Result<Vec<_>, Stopped>>()? {
+            for (area, places, parents) in found.collect::<Result<Vec<_>, Stopped>>()? {
                 all.areas.push(area);
                 all.places.push(places);
+                all.parents.push(parents);
             }
         }
         Ok(all)
@@ -80,10 +94,56 @@ impl Quadrature {
         &self.places[sender]
     }
 
+    /// Squared distance within which the places of a sender are too far apart for the kernel, square scene units.
+    #[inline]
+    pub fn near_squared(&self, sender: usize) -> f32 {
+        NEAR * NEAR * self.areas[sender] / PLACES as f32
+    }
+
+    /// Squared distance from a place within which the sender may have a near part, square scene units.
+    #[inline]
+    pub fn reach(&self, sender: usize) -> f32 {
+        // The disk of the area, across, beyond the near field.
+        let across = 2.0 * (self.areas[sender] / std::f32::consts::PI).sqrt();
+        (self.near_squared(sender).sqrt() + across).powi(2)
+    }
+
+    /// Children of every sender.
+    pub fn children(&self) -> Children {
+        Children::transposed(self.count(), |child| self.parents[child].iter().copied())
+    }
+
     /// Number of senders.
     pub fn count(&self) -> usize {
         self.areas.len()
     }
+}
+
+/// Functions that cover places on the finest of these levels that does, with their mean weights over the places that are
+/// covered, ascending.
+fn parents(places: &[Place; PLACES], group: u32, coarser: &[Evaluator]) -> Vec<(u32, f32)> {
+    let mut found: Vec<(u32, f32)> = Vec::new();
+    for place in places {
+        let mut here: Vec<(u32, f32)> = Vec::new();
+        for level in coarser.iter().rev() {
+            here.clear();
+            let total = level.gather(place.position, place.normal, group, |i, weight| here.push((i, weight)));
+            if total > LEAST_WEIGHT {
+                found.extend(here.iter().map(|(i, weight)| (*i, weight / total)));
+                break;
+            }
+        }
+    }
+    // Stable: weights are summed in the order of the places.
+    found.sort_by_key(|parent| parent.0);
+    found.dedup_by(|other, kept| {
+        let is_same = other.0 == kept.0;
+        kept.1 += if is_same { other.1 } else { 0.0 };
+        is_same
+    });
+    let total: f32 = found.iter().map(|parent| parent.1).sum();
+    found.iter_mut().for_each(|parent| parent.1 /= total);
+    found
 }
 
 /// Finds the places of senders of a level.
@@ -101,9 +161,8 @@ impl<S: Surfaces + ?Sized> Sampler<'_, S> {
     /// disk, those at equal steps of the area summed along a spiral.
     fn places(&self, sender: usize, count: usize) -> (f32, [Place; PLACES]) {
         let point = &self.points.points[sender];
-        let radius = SENDER_OVERLAP
-            * self.points.levels[self.level].disk_radius
-            * self.points.scale(point.group);
+        let radius =
+            SENDER_OVERLAP * self.points.levels[self.level].disk_radius * self.points.scale(point.group);
         let of_candidate = std::f32::consts::PI * radius * radius / count as f32;
         let spread = (std::f32::consts::PI / count as f32).sqrt() / ABOVE;
         let (first, second) = point.normal.any_orthonormal_pair();
@@ -146,12 +205,8 @@ impl<S: Surfaces + ?Sized> Sampler<'_, S> {
             };
             found.push((area, place));
         }
-        let nowhere = Place {
-            position: point.position,
-            normal: point.normal,
-            albedo: Vec3::ZERO,
-            is_handed_on: false,
-        };
+        let nowhere =
+            Place { position: point.position, normal: point.normal, albedo: Vec3::ZERO, is_handed_on: false };
         let places = std::array::from_fn(|k| {
             let step = area * (k as f32 + 0.5) / PLACES as f32;
             let at = found.partition_point(|(summed, _)| *summed < step);
