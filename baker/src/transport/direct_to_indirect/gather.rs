@@ -7,7 +7,8 @@ use super::gather_batch::GatherBatch;
 use super::gather_context::{GatherContext, GatherCost, PREDICTED};
 use super::neighbourhood::{Difference, Neighbourhood, Row};
 use super::pairwise;
-use super::pairwise::inspect::{HandedLink, PairScratch};
+use super::pairwise::handed::HandedLink;
+use super::pairwise::inspect::PairScratch;
 use super::sparsify::{PooledNoise, sparsify, sparsify_pooled};
 use crate::geometry::Surfaces;
 use rebounce_shared::link::{Link, Sent};
@@ -63,7 +64,7 @@ impl Gathered {
         };
         row(&self.links)
             && row(&self.value)
-            && pairwise::inspect::fits(&self.handed, senders)
+            && pairwise::handed::fits(&self.handed, senders)
             && self.cost.rays <= u32::MAX as u64
             && self.cost.seen.is_finite()
             && self.cost.lost.is_finite()

@@ -3,7 +3,7 @@
 use super::bounces::Columns;
 use super::gather::Gathered;
 use super::gather_context::GatherCost;
-use super::pairwise::inspect::HandedLink;
+use super::pairwise::handed::HandedLink;
 use crate::job::bytes::{Reader, lengths, put};
 use crate::job::parts::PartResult;
 use glam::Vec3;

@@ -9,7 +9,7 @@ use super::gather::{Gather, Gathered, Scratch};
 use super::gather_context::GatherContext;
 use super::pair_links::PairGather;
 use super::pairwise::Pairwise;
-use super::pairwise::inspect::HandedLink;
+use super::pairwise::handed::HandedLink;
 use super::pairwise::quadrature::PLACES;
 use super::senders::Senders;
 use super::{Operator, OperatorSettings, Refinement, tint};
@@ -34,7 +34,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     let senders = Senders::unwatched(surfaces, points, settings, &tints);
     let pairwise = match settings.refinement {
         Refinement::Gather => None,
-        Refinement::Pairwise => Pairwise::new(surfaces, points, relations, settings, &()).ok(),
+        Refinement::Pairwise => Pairwise::new(surfaces, points, relations, settings, &tints, &()).ok(),
     };
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
     refiner.set_pairwise(pairwise.as_ref());

@@ -44,7 +44,9 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
         let senders = Senders::new(surfaces, points, &settings, &tints, &*watch)?;
         let pairwise = match settings.refinement {
             Refinement::Gather => None,
-            Refinement::Pairwise => Some(Pairwise::new(surfaces, points, relations, &settings, &*watch)?),
+            Refinement::Pairwise => {
+                Some(Pairwise::new(surfaces, points, relations, &settings, &tints, &*watch)?)
+            }
         };
         drop(watch);
         let mut refiner = Refiner::new(surfaces, points, relations, &settings, &senders, tints);

@@ -115,14 +115,22 @@ pub fn coefficient<S: Surfaces + ?Sized>(
     out
 }
 
-/// Kernel without visibility, from the middle of a sender's places: `area` times reflectance times g.
-pub fn unoccluded(quadrature: &Quadrature, receiver: &Viewpoint, sender: usize, dual: Vec3A) -> f32 {
-    let area = quadrature.area(sender);
-    let of_one = area / PLACES as f32;
-    let places = quadrature.places(sender).iter();
-    places
-        .map(|place| {
-            of_one * receiver.form_factor(place.position, place.normal, of_one) * sent(place, Vec3::ONE, dual)
-        })
-        .sum()
+/// The amount of [`coefficient`] without visibility and without a near field, from places side by side.
+#[inline]
+pub fn unoccluded(quadrature: &Quadrature, receiver: &Viewpoint, sender: usize) -> f32 {
+    let area = quadrature.area(sender) / PLACES as f32;
+    let [x, y, z, nx, ny, nz, sent] = quadrature.lanes(sender);
+    let (o, n, g) = (receiver.origin, receiver.normal, receiver.geometric_normal);
+    let mut sum = 0.0;
+    for k in 0..PLACES {
+        let (dx, dy, dz) = (x[k] - o.x, y[k] - o.y, z[k] - o.z);
+        let here = dx * n.x + dy * n.y + dz * n.z;
+        let above = dx * g.x + dy * g.y + dz * g.z;
+        let there = -(dx * nx[k] + dy * ny[k] + dz * nz[k]);
+        let squared = dx * dx + dy * dy + dz * dz;
+        let factor = here * there / (squared * (std::f32::consts::PI * squared + area));
+        let faces = (here > 0.0) & (there > 0.0) & (above > 0.0);
+        sum += if faces { factor * sent[k] } else { 0.0 };
+    }
+    area * sum
 }

@@ -11,42 +11,22 @@ use super::super::directions::Directions;
 use super::super::gather_context::{GATHERED, GatherContext, GatherCost, PREDICTED};
 use super::Pairwise;
 use super::coefficient::{Coefficient, Viewpoint, coefficient, unoccluded};
+use super::handed::HandedLink;
 use super::hits::HemisphereHits;
 use super::oracle::{Inspection, Oracle, RefinedEnd};
 use super::quadrature::PLACES;
 use crate::geometry::Surfaces;
-use bytemuck::{Pod, Zeroable};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, HashMap};
-
-/// A link of a receiver, as the receiver's children take it over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct HandedLink {
-    /// Index of the sender.
-    pub sender: u32,
-    /// Share of the transport between receiver and sender that the link stands for, 0 to 1.
-    pub share: f32,
-    /// Irradiance of the receiver per unit irradiance at the sender.
-    pub amount: f32,
-    /// The same without visibility.
-    pub open: f32,
-    /// 1 for a link that is refined at the receiver: rays find its coefficient at the children. 0 for a smooth link, which
-    /// changes at the children as the kernel without visibility does.
-    pub is_refined: u32,
-}
 
 /// A link to inspect.
 #[derive(Clone, Copy, Debug, Default)]
 struct OpenLink {
     share: f32,
-    /// Irradiance that the parents' links give already, with and without visibility.
+    /// Irradiance that the parents' links give already.
     predicted: f32,
-    open: f32,
     /// Irradiance known beforehand: found by the initial gather, or a part of a refined link.
     known: Option<f32>,
-    /// Whether it is smooth for all parents that hand it down.
-    is_smooth: bool,
 }
 
 impl OpenLink {
@@ -64,6 +44,8 @@ const LEAST_SHARE: f32 = 1e-4;
 /// Working memory of a thread.
 #[derive(Default)]
 pub struct PairScratch {
+    /// Links that parents hand down, by sender: share, amount, amount without visibility, number of refined ones.
+    handed: Option<SparseAccumulator<4>>,
     hits: HemisphereHits,
     /// Whether the receiver's hemisphere is cast.
     has_hits: bool,
@@ -74,15 +56,13 @@ pub struct PairScratch {
     open: BTreeMap<u32, OpenLink>,
 }
 
-static CORRECTED: std::sync::LazyLock<(f32, f32)> =
-    std::sync::LazyLock::new(|| match std::env::var("PW_C").as_deref() {
-        Ok("0") => (1.0, 1.0),
-        Ok("2") => (0.9, 1.1),
-        _ => (0.75, 1.33),
-    });
-static ORACLE: std::sync::LazyLock<f32> =
-    std::sync::LazyLock::new(|| std::env::var("PW_O").map_or(1.0, |o| o.parse().unwrap()));
+/// Range of the factor on a link's share by which its known amount corrects its coefficient.
+const CORRECTED: [f32; 2] = [0.75, 1.33];
+/// Least deviation of light over a sender with children, as a share of what arrives: the light of a coarse sender is a mean
+/// of its children's (pull), which is off where a small patch of it is lit.
+const UNKNOWN_LIGHT: f32 = 0.5;
 
+/// Quotient, and 1 where the divisor is 0.
 fn ratio(a: f32, b: f32) -> f32 {
     if b > 0.0 { a / b } else { 1.0 }
 }
@@ -96,9 +76,7 @@ impl PairScratch {
                 let known = known.get_mut();
                 known.share += link.share;
                 known.predicted += link.predicted;
-                known.open += link.open;
                 known.known = known.known.zip(link.known).map(|(a, b)| a + b);
-                known.is_smooth &= link.is_smooth;
             }
         }
     }
@@ -152,7 +130,7 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         });
         scratch.has_hits = true;
         let mut out = Inspected { cost, ..Inspected::default() };
-        self.refine(sums, scratch, &mut out);
+        self.refine(&self.ends(), &self.oracle(), sums, scratch, &mut out);
         out
     }
 
@@ -164,57 +142,75 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         scratch: &mut PairScratch,
     ) -> Inspected {
         scratch.has_hits = false;
+        let handed =
+            scratch.handed.get_or_insert_with(|| SparseAccumulator::new(self.pairwise.quadrature.count()));
         for (links, share) in parents {
             for link in links {
-                let open = OpenLink {
-                    share: share * link.share,
-                    predicted: share * link.amount,
-                    open: share * link.open,
-                    known: None,
-                    is_smooth: link.is_refined == 0,
-                };
-                scratch.open(link.sender, open);
+                let sums =
+                    [share * link.share, share * link.amount, share * link.open, link.is_refined as f32];
+                handed.add_each(link.sender as usize, sums);
             }
         }
+        let (open, oracle, ends) = (&mut scratch.open, self.oracle(), self.ends());
         let mut out = Inspected::default();
-        self.refine(sums, scratch, &mut out);
+        handed.each(|sender, [share, predicted, open_before, refined]| {
+            let at = sender as usize;
+            sums.add(PREDICTED, at, predicted);
+            if refined == 0.0 {
+                let without = share * unoccluded(&self.pairwise.quadrature, &ends.receiver, at);
+                let amount = predicted * ratio(without, open_before);
+                if (amount - predicted).abs() <= oracle.epsilon {
+                    sums.add(GATHERED, at, amount);
+                    self.hand(HandedLink { sender, share, amount, open: without, is_refined: 0 }, &mut out);
+                    return;
+                }
+            }
+            open.insert(sender, OpenLink { share, predicted, known: None });
+        });
+        handed.clear();
+        self.refine(&ends, &oracle, sums, scratch, &mut out);
         out
     }
 
-    /// Inspects the open links and what they are refined to.
-    fn refine(&self, sums: &mut SparseAccumulator<2>, scratch: &mut PairScratch, out: &mut Inspected) {
+    /// Adds a link to those that the children take over, if there are any and it is not too weak.
+    fn hand(&self, link: HandedLink, out: &mut Inspected) {
         let settings = self.context.settings;
-        let oracle = Oracle {
-            epsilon: *ORACLE * settings.epsilon_on(self.level),
-            finer_epsilon: *ORACLE * settings.epsilon_on(self.level + 1),
-        };
+        let least = LEAST_HANDED * settings.epsilon_on(self.level);
+        if self.level + 1 < settings.levels && link.amount.max(link.open) > least {
+            out.handed.push(link);
+        }
+    }
+
+    fn oracle(&self) -> Oracle {
+        let settings = self.context.settings;
+        Oracle {
+            epsilon: settings.epsilon_on(self.level),
+            finer_epsilon: settings.epsilon_on(self.level + 1),
+        }
+    }
+
+    fn ends(&self) -> Ends {
         let point = &self.context.points.points[self.receiver];
-        let ends = Ends { receiver: Viewpoint::of(self.context.surfaces, point), children: self.children() };
+        Ends { receiver: Viewpoint::of(self.context.surfaces, point), children: self.children() }
+    }
+
+    /// Inspects the open links and what they are refined to.
+    fn refine(
+        &self,
+        ends: &Ends,
+        oracle: &Oracle,
+        sums: &mut SparseAccumulator<2>,
+        scratch: &mut PairScratch,
+        out: &mut Inspected,
+    ) {
         scratch.known.clear();
-        let least = if ends.children.is_empty() { f32::INFINITY } else { LEAST_HANDED * oracle.epsilon };
-        let hand = |link: HandedLink, out: &mut Inspected| {
-            if link.amount.max(link.open) > least {
-                out.handed.push(link);
-            }
-        };
         while let Some((sender, link)) = scratch.open.pop_first() {
             let at = sender as usize;
-            sums.add(PREDICTED, at, link.predicted);
-            if link.is_smooth {
-                let dual = self.context.duals[at];
-                let open = link.share * unoccluded(&self.pairwise.quadrature, &ends.receiver, at, dual);
-                let amount = link.predicted * if link.open > 0.0 { open / link.open } else { 1.0 };
-                if (amount - link.predicted).abs() <= oracle.epsilon {
-                    sums.add(GATHERED, at, amount);
-                    hand(HandedLink { sender, share: link.share, amount, open, is_refined: 0 }, out);
-                    continue;
-                }
-            }
             let found = self.coefficient(at, &ends.receiver, scratch, &mut out.cost);
             let amount = link.known.unwrap_or(link.share * found.amount);
             let share =
-                link.share * CORRECTED.1.min(CORRECTED.0.max(ratio(amount, link.share * found.amount)));
-            let decided = oracle.decide(&self.inspection(at, &link, amount, &found, &ends, &mut out.cost));
+                link.share * ratio(amount, link.share * found.amount).clamp(CORRECTED[0], CORRECTED[1]);
+            let decided = oracle.decide(&self.inspection(at, &link, amount, &found, ends, &mut out.cost));
             if decided == Some(RefinedEnd::Sender) {
                 let children = self.pairwise.sender_children.of(at);
                 let of_children: Vec<f32> = children
@@ -239,8 +235,20 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
             sums.add(GATHERED, at, amount);
             let is_refined = (decided == Some(RefinedEnd::Receiver)) as u32;
             let open = share * found.open;
-            hand(HandedLink { sender, share, amount, open, is_refined }, out);
+            self.hand(HandedLink { sender, share, amount, open, is_refined }, out);
         }
+        // A sender may have a smooth link, and one that is part of a coarser sender's.
+        out.handed.sort_by_key(|link| link.sender);
+        out.handed.dedup_by(|link, kept| {
+            let is_same = link.sender == kept.sender;
+            if is_same {
+                kept.share += link.share;
+                kept.amount += link.amount;
+                kept.open += link.open;
+                kept.is_refined |= link.is_refined;
+            }
+            is_same
+        });
     }
 
     /// Coefficient of a sender, found once.
@@ -286,7 +294,11 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         let has_children = !self.pairwise.sender_children.of(sender).is_empty();
         let is_refinable = has_children && link.share > LEAST_SHARE;
         Inspection {
-            over_sender: if is_refinable { link.share * found.deviation } else { 0.0 },
+            over_sender: if is_refinable {
+                (link.share * found.deviation).max(UNKNOWN_LIGHT * amount.max(link.predicted))
+            } else {
+                0.0
+            },
             over_receiver: link.share * over_receiver,
             magnitude: amount.max(link.predicted).max(link.share * strongest),
         }
@@ -306,13 +318,13 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
     /// without visibility is evaluated at every child; one ray from each, to a place of its own, says which share of the
     /// children sees the sender.
     fn over_children(&self, sender: usize, found: &Coefficient, children: &[Viewpoint]) -> (f32, f32, u64) {
-        let (quadrature, dual) = (&self.pairwise.quadrature, self.context.duals[sender]);
+        let quadrature = &self.pairwise.quadrature;
         if children.is_empty() || quadrature.area(sender) <= 0.0 {
             return (0.0, 0.0, 0);
         }
         let (mut squares, mut all, mut seen, mut strongest, mut rays) = (0.0, 0.0, 0.0, 0f32, 0);
         for (k, child) in children.iter().enumerate() {
-            let open = unoccluded(quadrature, child, sender, dual);
+            let open = unoccluded(quadrature, child, sender);
             squares += (open - found.open).powi(2);
             all += open;
             let place = &quadrature.places(sender)[k % PLACES];
@@ -333,11 +345,4 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         let hidden = mean * mean * visible * (1.0 - visible);
         ((visible * visible * squares / count + hidden).sqrt(), strongest, rays)
     }
-}
-
-/// Whether links from elsewhere are valid: senders ascend and are in range, numbers are finite.
-pub fn fits(links: &[HandedLink], senders: usize) -> bool {
-    links.windows(2).all(|pair| pair[0].sender < pair[1].sender)
-        && links.last().is_none_or(|last| (last.sender as usize) < senders)
-        && links.iter().all(|link| link.share.is_finite() && link.amount.is_finite() && link.open.is_finite())
 }

@@ -10,12 +10,15 @@
 //! * [`hits`] – a receiver's hemisphere: the initial gather, and the near field of links;
 //! * [`coefficient`] – the kernel of a receiver and a sender, averaged over ten rays;
 //! * [`oracle`] – which end of a link is refined;
+//! * [`handed`] – links that a receiver hands down;
 //! * [`inspect`] – a receiver's links: the initial gather, links handed down by parents, and their refinement.
 
 #[doc(hidden)]
 pub mod children;
 #[doc(hidden)]
 pub mod coefficient;
+#[doc(hidden)]
+pub mod handed;
 #[doc(hidden)]
 pub mod hits;
 #[doc(hidden)]
@@ -26,6 +29,7 @@ pub mod oracle;
 pub mod quadrature;
 
 use super::directions::Directions;
+use super::tint;
 use crate::basis::{Relations, sender_evaluator};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
@@ -54,7 +58,7 @@ pub struct Pairwise {
 }
 
 impl Pairwise {
-    /// Prepares the senders of `settings`. A unit of `watch` is a sender.
+    /// Prepares the senders of `settings`; `tints` are the points'. A unit of `watch` is a sender.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -63,11 +67,12 @@ impl Pairwise {
         points: &Points,
         relations: &Relations,
         settings: &OperatorSettings,
+        tints: &[u32],
         watch: &dyn Watch,
     ) -> Result<Self, Stopped> {
         let levels = settings.sender_levels.min(points.levels.len());
         let evaluators: Vec<_> = (0..levels).map(|level| sender_evaluator(points, level)).collect();
-        let quadrature = Quadrature::new(surfaces, points, &evaluators, watch)?;
+        let quadrature = Quadrature::new(surfaces, points, &evaluators, &tint::duals(tints), watch)?;
         let farthest = (0..quadrature.count()).map(|sender| quadrature.near_squared(sender));
         let rays = |above: usize| (NEAR_RAYS[0] << (2 * above).min(16)).min(NEAR_RAYS[1]);
         Ok(Self {

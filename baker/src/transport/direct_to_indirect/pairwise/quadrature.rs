@@ -7,7 +7,7 @@ use crate::geometry::{Ray, Surfaces};
 use crate::job::watch::{Stopped, Watch};
 use crate::random::{Stream, mix};
 use crate::sampling::Points;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use rebounce_shared::elementary::Elementary;
 use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT};
@@ -42,12 +42,15 @@ pub struct Quadrature {
     areas: Vec<f32>,
     /// [`PLACES`] places for each sender with an area.
     places: Vec<[Place; PLACES]>,
+    /// Positions and normals of each sender's places by axis, and their light in the sender's tint.
+    lanes: Vec<[[f32; PLACES]; 7]>,
     /// Functions that cover each sender's places on the finest coarser level, with their mean weights.
     parents: Vec<Vec<(u32, f32)>>,
 }
 
 impl Quadrature {
-    /// Finds the places of the senders on the levels of `evaluators`, coarsest first. A unit of `watch` is a sender.
+    /// Finds the places of the senders on the levels of `evaluators`, coarsest first; `duals` are the
+    /// [duals](super::super::tint::duals) of their tints. A unit of `watch` is a sender.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -55,6 +58,7 @@ impl Quadrature {
         surfaces: &S,
         points: &Points,
         evaluators: &[Evaluator],
+        duals: &[Vec3A],
         watch: &dyn Watch,
     ) -> Result<Self, Stopped> {
         let mut all = Self::default();
@@ -74,6 +78,16 @@ impl Quadrature {
                 Ok((area, places, parents))
             });
             for (area, places, parents) in found.collect::<Result<Vec<_>, Stopped>>()? {
+                let dual = duals[all.areas.len()];
+                all.lanes.push([
+                    places.map(|place| place.position.x),
+                    places.map(|place| place.position.y),
+                    places.map(|place| place.position.z),
+                    places.map(|place| place.normal.x),
+                    places.map(|place| place.normal.y),
+                    places.map(|place| place.normal.z),
+                    places.map(|place| Vec3A::from(place.albedo).dot(dual)),
+                ]);
                 all.areas.push(area);
                 all.places.push(places);
                 all.parents.push(parents);
@@ -92,6 +106,12 @@ impl Quadrature {
     #[inline]
     pub fn places(&self, sender: usize) -> &[Place; PLACES] {
         &self.places[sender]
+    }
+
+    /// Places of a sender side by side: positions and normals by axis, and light in the sender's tint.
+    #[inline]
+    pub fn lanes(&self, sender: usize) -> &[[f32; PLACES]; 7] {
+        &self.lanes[sender]
     }
 
     /// Squared distance within which the places of a sender are too far apart for the kernel, square scene units.
