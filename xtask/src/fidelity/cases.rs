@@ -67,10 +67,20 @@ impl Case {
     }
 }
 
+/// The generated scenes and the sizes of their pictures.
+const GENERATED: [(&str, &str); 4] =
+    [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")];
+
 /// The generated scenes; their references are computed once.
 pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
-    [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
+    named(tool, &GENERATED.map(|(name, _)| name))
+}
+
+/// The generated scenes of these names.
+pub fn named(tool: &Tool, names: &[&str]) -> Result<Vec<Case>> {
+    GENERATED
         .into_iter()
+        .filter(|(name, _)| names.contains(name))
         .map(|(name, size)| {
             let references = ["a", "b"].map(|which| tool.file(&format!("{name}.{which}.exr")));
             let case = Case {

@@ -48,3 +48,35 @@ impl Oracle {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ORACLE: Oracle = Oracle { epsilon: 0.01, finer_epsilon: 0.02 };
+
+    fn decide(over_sender: f32, over_receiver: f32, magnitude: f32) -> Option<RefinedEnd> {
+        ORACLE.decide(&Inspection { over_sender, over_receiver, magnitude })
+    }
+
+    #[test]
+    fn the_end_with_more_deviation_for_its_threshold_is_refined() {
+        assert_eq!(decide(0.03, 0.05, 0.1), Some(RefinedEnd::Sender));
+        assert_eq!(decide(0.03, 0.07, 0.1), Some(RefinedEnd::Receiver));
+        assert_eq!(decide(0.0, 0.03, 0.1), Some(RefinedEnd::Receiver));
+    }
+
+    #[test]
+    fn weak_links_and_even_ones_stay() {
+        assert_eq!(decide(0.03, 0.05, 0.009), None);
+        assert_eq!(decide(0.009, 0.019, 0.1), None);
+    }
+
+    #[test]
+    fn an_epsilon_of_zero_refines_whatever_varies() {
+        let oracle = Oracle { epsilon: 0.0, finer_epsilon: 0.0 };
+        let link = Inspection { over_sender: 1e-6, over_receiver: 0.0, magnitude: 1e-6 };
+        assert_eq!(oracle.decide(&link), Some(RefinedEnd::Sender));
+        assert_eq!(oracle.decide(&Inspection { magnitude: 0.5, ..Inspection::default() }), None);
+    }
+}
