@@ -186,7 +186,8 @@ fn no_link_leads_through_a_wall_and_no_function_reaches_another_group() {
     for (receiver, row) in operator.links.iter().enumerate() {
         let group = points.points[receiver].group;
         for link in row {
-            assert_eq!(points.points[link.sender()].group, group, "{receiver} from {}", link.sender());
+            let (here, there) = (&points.points[receiver], &points.points[link.sender()]);
+            assert_eq!(there.group, group, "{here:?} from {there:?}: {}", link.amount());
             links[group as usize] += 1;
         }
     }

@@ -9,8 +9,9 @@ use serde::Deserialize;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Scenes: a box, a door that light passes, and a room lit through a small window.
-const SCENES: [&str; 3] = ["cornell-box", "two-rooms-door", "attic"];
+/// Scenes and the sizes of their pictures: a box, a door that light passes, and a room lit through a small window.
+const SCENES: [(&str, &str); 3] =
+    [("cornell-box", "160x160"), ("two-rooms-door", "240x135"), ("attic", "240x135")];
 /// Functions on the finest level of each bake, and levels, so that the coarsest level is about as large.
 const SIZES: [(&str, &str); 3] = [("3K", "4"), ("12K", "5"), ("48K", "6")];
 /// Ways to refine, as `--refine` names them.

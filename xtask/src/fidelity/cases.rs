@@ -73,14 +73,14 @@ const GENERATED: [(&str, &str); 4] =
 
 /// The generated scenes; their references are computed once.
 pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
-    named(tool, &GENERATED.map(|(name, _)| name))
+    named(tool, &GENERATED)
 }
 
-/// The generated scenes of these names.
-pub fn named(tool: &Tool, names: &[&str]) -> Result<Vec<Case>> {
-    GENERATED
-        .into_iter()
-        .filter(|(name, _)| names.contains(name))
+/// Built-in scenes of these names, in pictures of these sizes.
+pub fn named(tool: &Tool, scenes: &[(&str, &'static str)]) -> Result<Vec<Case>> {
+    scenes
+        .iter()
+        .copied()
         .map(|(name, size)| {
             let references = ["a", "b"].map(|which| tool.file(&format!("{name}.{which}.exr")));
             let case = Case {

@@ -62,6 +62,14 @@ const CORRECTED: [f32; 2] = [0.75, 1.33];
 /// of its children's (pull), which is off where a small patch of it is lit.
 const UNKNOWN_LIGHT: f32 = 0.5;
 
+/// Adds to a sum. What is zero stays untouched: sparsification carries rounding errors on to the next sender of a row, which
+/// must not be one behind a wall.
+fn add(sums: &mut SparseAccumulator<2>, which: usize, sender: usize, amount: f32) {
+    if amount != 0.0 {
+        sums.add(which, sender, amount);
+    }
+}
+
 /// Quotient, and 1 where the divisor is 0.
 fn ratio(a: f32, b: f32) -> f32 {
     if b > 0.0 { a / b } else { 1.0 }
@@ -155,12 +163,12 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         let mut out = Inspected::default();
         handed.each(|sender, [share, predicted, open_before, refined]| {
             let at = sender as usize;
-            sums.add(PREDICTED, at, predicted);
+            add(sums, PREDICTED, at, predicted);
             if refined == 0.0 {
                 let without = share * unoccluded(&self.pairwise.quadrature, &ends.receiver, at);
                 let amount = predicted * ratio(without, open_before);
                 if (amount - predicted).abs() <= oracle.epsilon {
-                    sums.add(GATHERED, at, amount);
+                    add(sums, GATHERED, at, amount);
                     self.hand(HandedLink { sender, share, amount, open: without, is_refined: 0 }, &mut out);
                     return;
                 }
@@ -224,7 +232,7 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
                 // A link keeps its sum; it stays where no child's rays meet what its own have.
                 if sum > 0.0 {
                     let kept = link.share * found.kept;
-                    sums.add(GATHERED, at, kept);
+                    add(sums, GATHERED, at, kept);
                     let scale = (amount - kept).max(0.0) / sum;
                     for (&(child, under), part) in children.iter().zip(of_children) {
                         scratch.open(child, OpenLink::part(link.share * under, scale * part));
@@ -232,7 +240,7 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
                     continue;
                 }
             }
-            sums.add(GATHERED, at, amount);
+            add(sums, GATHERED, at, amount);
             let is_refined = (decided == Some(RefinedEnd::Receiver)) as u32;
             let open = share * found.open;
             self.hand(HandedLink { sender, share, amount, open, is_refined }, out);
