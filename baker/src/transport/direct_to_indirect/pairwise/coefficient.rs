@@ -9,7 +9,7 @@
 //! bounded where receiver and sender touch.
 
 use super::hits::NearField;
-use super::quadrature::{PLACES, Place, Quadrature};
+use super::quadrature::{PLACES, Quadrature, SenderSample};
 use crate::geometry::Surfaces;
 use crate::sampling::SurfacePoint;
 use glam::{Vec3, Vec3A};
@@ -64,7 +64,7 @@ pub struct Coefficient {
 
 /// Light of a place in the tint of its sender, as a share of what arrives at it.
 #[inline]
-fn sent(place: &Place, through: Vec3, dual: Vec3A) -> f32 {
+fn sent(place: &SenderSample, through: Vec3, dual: Vec3A) -> f32 {
     Vec3A::from(place.albedo * through).dot(dual)
 }
 

@@ -24,7 +24,7 @@ const NEAR: f32 = 2.0;
 
 /// A place on a sender.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct SenderSample {
     /// Position, moved off the surface, local space.
     pub position: Vec3,
     /// Unit normal.
@@ -41,7 +41,7 @@ pub struct Quadrature {
     /// Area under each sender's function, square scene units; 0 for a sender without places.
     areas: Vec<f32>,
     /// [`PLACES`] places for each sender with an area.
-    places: Vec<[Place; PLACES]>,
+    places: Vec<[SenderSample; PLACES]>,
     /// Positions and normals of each sender's places by axis, and their light in the sender's tint.
     lanes: Vec<[[f32; PLACES]; 7]>,
     /// Functions that cover each sender's places on the finest coarser level, with their mean weights.
@@ -69,7 +69,7 @@ impl Quadrature {
             let found = points.levels[level].range().into_par_iter().map(|sender| {
                 watch.step(1)?;
                 let (area, places) =
-                    Sampler { surfaces, points, evaluator, finer, level }.places(sender, count);
+                    SampleFinder { surfaces, points, evaluator, finer, level }.places(sender, count);
                 let parents = if area > 0.0 {
                     parents(&places, points.points[sender].group, &evaluators[..level])
                 } else {
@@ -104,7 +104,7 @@ impl Quadrature {
 
     /// Places of a sender; they mean nothing where the area is 0.
     #[inline]
-    pub fn places(&self, sender: usize) -> &[Place; PLACES] {
+    pub fn places(&self, sender: usize) -> &[SenderSample; PLACES] {
         &self.places[sender]
     }
 
@@ -141,7 +141,7 @@ impl Quadrature {
 
 /// Functions that cover places on the finest of these levels that does, with their mean weights over the places that are
 /// covered, ascending.
-fn parents(places: &[Place; PLACES], group: u32, coarser: &[Evaluator]) -> Vec<(u32, f32)> {
+fn parents(places: &[SenderSample; PLACES], group: u32, coarser: &[Evaluator]) -> Vec<(u32, f32)> {
     let mut found: Vec<(u32, f32)> = Vec::new();
     for place in places {
         let mut here: Vec<(u32, f32)> = Vec::new();
@@ -167,7 +167,7 @@ fn parents(places: &[Place; PLACES], group: u32, coarser: &[Evaluator]) -> Vec<(
 }
 
 /// Finds the places of senders of a level.
-struct Sampler<'a, S: ?Sized> {
+struct SampleFinder<'a, S: ?Sized> {
     surfaces: &'a S,
     points: &'a Points,
     evaluator: &'a Evaluator,
@@ -176,10 +176,10 @@ struct Sampler<'a, S: ?Sized> {
     level: usize,
 }
 
-impl<S: Surfaces + ?Sized> Sampler<'_, S> {
+impl<S: Surfaces + ?Sized> SampleFinder<'_, S> {
     /// Area under a sender's function, and its places: of `count` candidates spread evenly over the support's
     /// disk, those at equal steps of the area summed along a spiral.
-    fn places(&self, sender: usize, count: usize) -> (f32, [Place; PLACES]) {
+    fn places(&self, sender: usize, count: usize) -> (f32, [SenderSample; PLACES]) {
         let point = &self.points.points[sender];
         let radius =
             SENDER_OVERLAP * self.points.levels[self.level].disk_radius * self.points.scale(point.group);
@@ -188,7 +188,7 @@ impl<S: Surfaces + ?Sized> Sampler<'_, S> {
         let (first, second) = point.normal.any_orthonormal_pair();
         // Golden angle (Vogel 1979), turned by chance.
         let turn = Stream::new(0x706c_6163, sender as u64).unit();
-        let mut found: Vec<(f32, Place)> = Vec::with_capacity(count);
+        let mut found: Vec<(f32, SenderSample)> = Vec::with_capacity(count);
         let mut area = 0.0;
         for k in 0..count {
             let angle = std::f32::consts::TAU * (turn + 0.381_966_02 * k as f32).fract();
@@ -217,7 +217,7 @@ impl<S: Surfaces + ?Sized> Sampler<'_, S> {
                 finer.gather(hit.position, hit.normal, hit.group, |_, _| {}) > LEAST_WEIGHT
             };
             let epsilon = self.surfaces.epsilon_at(hit.position);
-            let place = Place {
+            let place = SenderSample {
                 position: hit.position + epsilon * hit.geometric_normal,
                 normal: hit.normal,
                 albedo: hit.albedo,
@@ -225,8 +225,12 @@ impl<S: Surfaces + ?Sized> Sampler<'_, S> {
             };
             found.push((area, place));
         }
-        let nowhere =
-            Place { position: point.position, normal: point.normal, albedo: Vec3::ZERO, is_handed_on: false };
+        let nowhere = SenderSample {
+            position: point.position,
+            normal: point.normal,
+            albedo: Vec3::ZERO,
+            is_handed_on: false,
+        };
         let places = std::array::from_fn(|k| {
             let step = area * (k as f32 + 0.5) / PLACES as f32;
             let at = found.partition_point(|(summed, _)| *summed < step);
