@@ -27,12 +27,14 @@ struct OpenLink {
     predicted: f32,
     /// Irradiance known beforehand: found by the initial gather, or a part of a refined link.
     known: Option<f32>,
+    /// Whether it is part of a link that varies over the receiver's children: the part may be too weak to tell by itself.
+    varies: bool,
 }
 
 impl OpenLink {
     /// The part of a refined link that a child of its sender takes over.
-    fn part(share: f32, amount: f32) -> Self {
-        Self { share, known: Some(amount), ..Self::default() }
+    fn part(share: f32, amount: f32, varies: bool) -> Self {
+        Self { share, known: Some(amount), varies, ..Self::default() }
     }
 }
 
@@ -84,6 +86,7 @@ impl PairScratch {
                 let known = known.get_mut();
                 known.share += link.share;
                 known.predicted += link.predicted;
+                known.varies |= link.varies;
                 known.known = known.known.zip(link.known).map(|(a, b)| a + b);
             }
         }
@@ -130,11 +133,11 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
         let cost = scratch.hits.cast(self.context, self.receiver, directions, f32::INFINITY);
         // Pairs that no ray has found are inspected too: the receiver's children may see what it does not.
         for sender in 0..self.pairwise.root_count as u32 {
-            scratch.open(sender, OpenLink::part(1.0, 0.0));
+            scratch.open(sender, OpenLink::part(1.0, 0.0, false));
         }
         let PairScratch { hits, open, .. } = scratch;
         hits.initial(|sender, amount| {
-            open.insert(sender, OpenLink::part(1.0, amount));
+            open.insert(sender, OpenLink::part(1.0, amount, false));
         });
         scratch.has_hits = true;
         let mut out = Inspected { cost, ..Inspected::default() };
@@ -173,7 +176,7 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
                     return;
                 }
             }
-            open.insert(sender, OpenLink { share, predicted, known: None });
+            open.insert(sender, OpenLink { share, predicted, ..OpenLink::default() });
         });
         handed.clear();
         self.refine(&ends, &oracle, sums, scratch, &mut out);
@@ -218,7 +221,9 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
             let amount = link.known.unwrap_or(link.share * found.amount);
             let share =
                 link.share * ratio(amount, link.share * found.amount).clamp(CORRECTED[0], CORRECTED[1]);
-            let decided = oracle.decide(&self.inspection(at, &link, amount, &found, ends, &mut out.cost));
+            let inspection = self.inspection(at, &link, amount, &found, ends, &mut out.cost);
+            let decided = oracle.decide(&inspection);
+            let varies = link.varies || inspection.over_receiver > oracle.finer_epsilon;
             if decided == Some(RefinedEnd::Sender) {
                 let children = self.pairwise.sender_children.of(at);
                 let of_children: Vec<f32> = children
@@ -235,13 +240,13 @@ impl<S: Surfaces + ?Sized> PairReceiver<'_, S> {
                     add(sums, GATHERED, at, kept);
                     let scale = (amount - kept).max(0.0) / sum;
                     for (&(child, under), part) in children.iter().zip(of_children) {
-                        scratch.open(child, OpenLink::part(link.share * under, scale * part));
+                        scratch.open(child, OpenLink::part(link.share * under, scale * part, varies));
                     }
                     continue;
                 }
             }
             add(sums, GATHERED, at, amount);
-            let is_refined = (decided == Some(RefinedEnd::Receiver)) as u32;
+            let is_refined = (link.varies || decided == Some(RefinedEnd::Receiver)) as u32;
             let open = share * found.open;
             self.hand(HandedLink { sender, share, amount, open, is_refined }, out);
         }
