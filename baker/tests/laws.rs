@@ -8,7 +8,7 @@ use rebounce::basis::{Evaluator, Relations, Support, relate};
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, Points, SurfacePoint, place};
 use rebounce::transport::direct_to_indirect::{
-    Operator, OperatorSettings, bounces::add_later_bounces, refine::refine,
+    Operator, OperatorSettings, Refinement, bounces::add_later_bounces, refine::refine,
 };
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::kernel::distance_5d;
@@ -24,6 +24,7 @@ fn small_place() -> PlaceSettings {
 
 fn small_operator() -> OperatorSettings {
     OperatorSettings {
+        refinement: Refinement::Gather,
         sender_levels: 3,
         epsilon: 1e-3,
         reflected: 1.0,

@@ -25,6 +25,7 @@ mod laws;
 mod leaks;
 mod materials;
 mod open;
+mod pairwise;
 mod points;
 mod resume;
 mod simplify;

@@ -7,7 +7,7 @@ use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, Points, cut, place};
 use rebounce::scene::Scene;
-use rebounce::transport::direct_to_indirect::{OperatorSettings, tint};
+use rebounce::transport::direct_to_indirect::{OperatorSettings, Refinement, tint};
 use rebounce::transport::direct_to_indirect::{refine::refine, senders::Senders};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Sent;
@@ -42,6 +42,7 @@ impl Surfaces for HitByHit<'_> {
 
 fn settings(seed: u64) -> OperatorSettings {
     OperatorSettings {
+        refinement: Refinement::Gather,
         sender_levels: 4,
         epsilon: 1e-4,
         reflected: 1.0,

@@ -1,6 +1,6 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`,
-//! `plot-estimate`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`,
+//! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -29,6 +29,7 @@ mod npm;
 mod package;
 mod plot_estimate;
 mod process;
+mod refine;
 mod report;
 mod site;
 mod soak;
@@ -91,6 +92,8 @@ cargo xtask plot-estimate [--record] [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/reports/estimate.svg how right the time left was; a log of
                      `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named.
                      --record: writes the courses that the estimate's tests replay
+cargo xtask refine   compares both ways to refine the operator, at equal bytes and at equal seconds, and writes
+                     docs/reports/refine.md; a quarter of an hour
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -126,6 +129,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("soak") => soak::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
+        Some("refine") => refine::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
         Some("npm") => npm::build(),

@@ -1,7 +1,7 @@
 //! The arguments of `rebounce bake`.
 
 use crate::error::ArgsError;
-use crate::layout::{ADVANCED, LayoutArgs, PresetName, SolverName};
+use crate::layout::{ADVANCED, LayoutArgs, PresetName, RefinementName, SolverName};
 use crate::load::LoadArgs;
 use crate::number;
 use crate::paths::{Places, check_paths};
@@ -67,6 +67,9 @@ pub struct BakeArgs {
     /// What bounced light is computed from
     #[arg(long, value_enum, default_value = "operator", help_heading = QUALITY, hide_short_help = true)]
     solver: SolverName,
+    /// How the links of the first bounce are found
+    #[arg(long, value_enum, default_value = "gather", help_heading = QUALITY, hide_short_help = true)]
+    refine: RefinementName,
     /// A camera to bake for, and the view of --target-error (docs/guide/shot.md)
     ///
     /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
@@ -196,6 +199,7 @@ impl BakeArgs {
             }
         }
         s.solver = self.solver.into();
+        s.operator.refinement = self.refine.into();
         s.viewpoints = self.viewpoint.clone();
         s.camera = camera.cloned();
         s.operator.bounces = self.bounces;

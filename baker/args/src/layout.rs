@@ -4,6 +4,7 @@ use crate::number;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, BakeSolver, Preset};
+use rebounce::transport::Refinement;
 use rebounce_shared::rbn::MAX_LEVELS;
 use std::ops::RangeInclusive;
 
@@ -48,6 +49,24 @@ impl From<SolverName> for BakeSolver {
         match name {
             SolverName::Operator => BakeSolver::Operator,
             SolverName::Radiosity => BakeSolver::Radiosity,
+        }
+    }
+}
+
+/// Name of a way to refine the operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RefinementName {
+    /// Rows of links, each from one hemisphere of rays: the better picture for the same bytes or seconds
+    Gather,
+    /// Links one at a time, from coarse to fine at both ends
+    Pairwise,
+}
+
+impl From<RefinementName> for Refinement {
+    fn from(name: RefinementName) -> Self {
+        match name {
+            RefinementName::Gather => Refinement::Gather,
+            RefinementName::Pairwise => Refinement::Pairwise,
         }
     }
 }

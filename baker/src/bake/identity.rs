@@ -26,6 +26,7 @@ impl Identity {
             groups: _,
         } = place;
         let OperatorSettings {
+            refinement,
             sender_levels,
             epsilon,
             reflected,
@@ -45,7 +46,7 @@ impl Identity {
             rebounce_shared::SOURCES,
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 23] = [
+        let parts: [(&str, &dyn Debug); 24] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -69,6 +70,7 @@ impl Identity {
             ("direct levels", &direct_levels),
             ("sources", &sources),
             ("solver", &solver),
+            ("refinement", &refinement),
         ];
         let mut named = vec![
             ("program".to_owned(), program),

@@ -6,7 +6,7 @@ use crate::job::communicator::CommunicatorError;
 use crate::sampling::PlaceSettings;
 use crate::transport::direct_to_indirect::DirectToIndirect;
 use crate::transport::sources::SourceSettings;
-use crate::transport::{Operator, OperatorSettings, Partial, Problem, Solver, Unlinked};
+use crate::transport::{Operator, OperatorSettings, Partial, Problem, Refinement, Solver, Unlinked};
 use rebounce_shared::camera::Camera;
 
 /// Quality and cost of a bake.
@@ -106,6 +106,7 @@ impl BakeSettings {
             solver: BakeSolver::default(),
             place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
+                refinement: Refinement::default(),
                 sender_levels: levels,
                 epsilon,
                 reflected: 1.0,

@@ -262,6 +262,15 @@ impl Evaluator {
     }
 }
 
+/// A level among those that cover a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CoveringLevel {
+    /// Whether no coarser level covers the position.
+    pub is_coarsest: bool,
+    /// Whether no finer level covers the position.
+    pub is_finest: bool,
+}
+
 /// Cells per block, two along each axis.
 const BLOCK: u32 = 8;
 
@@ -291,6 +300,31 @@ impl Leveled {
             }
         }
         out.clear();
+    }
+
+    /// Calls `visit(level, index, normalised weight)` for the functions of a reconstruction group on every level that covers
+    /// this position, coarsest level first; the weights of a level sum to 1.
+    pub fn each_level(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        group: u32,
+        mut visit: impl FnMut(CoveringLevel, u32, f32),
+    ) {
+        let total = |level: &Evaluator| level.gather(position, normal, group, |_, _| {});
+        let covers = |level: &Evaluator| total(level) > LEAST_WEIGHT;
+        let Some(finest) = self.levels.iter().rposition(covers) else { return };
+        let mut is_coarsest = true;
+        for (l, level) in self.levels[..=finest].iter().enumerate() {
+            let total = total(level);
+            if total > LEAST_WEIGHT {
+                let covering = CoveringLevel { is_coarsest, is_finest: l == finest };
+                level.gather(position, normal, group, |function, weight| {
+                    visit(covering, function, weight / total)
+                });
+                is_coarsest = false;
+            }
+        }
     }
 
     /// Radius of the finest level's functions, scene units; 0 without levels.

@@ -6,7 +6,7 @@
 mod evaluator;
 
 use crate::sampling::Points;
-pub use evaluator::{Evaluator, FetchStep, Leveled, Support};
+pub use evaluator::{CoveringLevel, Evaluator, FetchStep, Leveled, Support};
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::basis::{Functions, ParentWeights};
 use rebounce_shared::rbn::RbnError;
@@ -25,7 +25,7 @@ pub fn relate(points: &Points, direct_levels: usize) -> Result<Relations, RbnErr
 
 /// Ratio of support radius to disk radius for sender functions: narrow, so that direct light at a
 /// point is blurred little and few functions cover a hit.
-const SENDER_OVERLAP: f32 = 1.25;
+pub(crate) const SENDER_OVERLAP: f32 = 1.25;
 
 /// Builds the evaluator of a sender level.
 pub fn sender_evaluator(points: &Points, level: usize) -> Evaluator {

@@ -16,7 +16,7 @@ pub mod radiosity;
 pub mod sources;
 mod unlinked;
 
-pub use operator::{Operator, OperatorSettings};
+pub use operator::{Operator, OperatorSettings, Refinement};
 pub use unlinked::Unlinked;
 
 use crate::basis::Relations;

@@ -7,9 +7,21 @@ use rebounce_shared::link::{LaterLink, Link};
 /// Irradiance of a receiver from other points: (sender, irradiance per unit irradiance), senders ascending.
 pub type IrradianceRow = Vec<(u32, f32)>;
 
+/// How the one-bounce operator is refined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Refinement {
+    /// [Adaptive gather](super::direct_to_indirect::refine) of whole rows (Lehtinen et al. 2008, Fig. 5).
+    #[default]
+    Gather,
+    /// [Pairwise links](super::direct_to_indirect::pairwise), one at a time (Lehtinen et al. 2007, 6.5).
+    Pairwise,
+}
+
 /// Settings of the operator's computation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorSettings {
+    /// How the one-bounce operator is refined.
+    pub refinement: Refinement,
     /// Number of coarsest levels whose functions are senders. Direct light leaves from the finest
     /// sender level that covers a place.
     pub sender_levels: usize,

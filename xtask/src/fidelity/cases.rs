@@ -67,10 +67,20 @@ impl Case {
     }
 }
 
+/// The generated scenes and the sizes of their pictures.
+const GENERATED: [(&str, &str); 4] =
+    [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")];
+
 /// The generated scenes; their references are computed once.
 pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
-    [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
-        .into_iter()
+    named(tool, &GENERATED)
+}
+
+/// Built-in scenes of these names, in pictures of these sizes.
+pub fn named(tool: &Tool, scenes: &[(&str, &'static str)]) -> Result<Vec<Case>> {
+    scenes
+        .iter()
+        .copied()
         .map(|(name, size)| {
             let references = ["a", "b"].map(|which| tool.file(&format!("{name}.{which}.exr")));
             let case = Case {

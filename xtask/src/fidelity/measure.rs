@@ -81,8 +81,13 @@ const SAMPLES: u32 = 64;
 
 impl Tool {
     pub fn new(work: PathBuf) -> Result<Self> {
+        Self::built(process::target().join("release/rebounce"), work)
+    }
+
+    /// The tool with another build of the command.
+    pub fn built(rebounce: PathBuf, work: PathBuf) -> Result<Self> {
         std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
-        Ok(Self { rebounce: process::target().join("release/rebounce"), work })
+        Ok(Self { rebounce, work })
     }
 
     /// A file in the work folder.
@@ -90,7 +95,8 @@ impl Tool {
         self.work.join(name)
     }
 
-    fn command(&self, verb: &str) -> Command {
+    /// The command with a verb.
+    pub fn command(&self, verb: &str) -> Command {
         let mut command = Command::new(&self.rebounce);
         command.arg(verb);
         command

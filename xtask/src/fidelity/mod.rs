@@ -2,8 +2,8 @@
 //! compares, and writes docs/reports/fidelity.md with its tables and pictures. Duration: half an hour for the generated
 //! scenes at `draft` and `standard`.
 
-mod cases;
-mod measure;
+pub mod cases;
+pub mod measure;
 mod page;
 mod path;
 

@@ -6,6 +6,9 @@ use super::directions::Directions;
 use super::gather_batch::GatherBatch;
 use super::gather_context::{GatherContext, GatherCost, PREDICTED};
 use super::neighbourhood::{Difference, Neighbourhood, Row};
+use super::pairwise;
+use super::pairwise::handed::HandedLink;
+use super::pairwise::inspect::PairScratch;
 use super::sparsify::{PooledNoise, sparsify, sparsify_pooled};
 use crate::geometry::Surfaces;
 use rebounce_shared::link::{Link, Sent};
@@ -45,6 +48,8 @@ pub struct Gathered {
     /// its parents. Filled only for receivers whose value is read: on all levels but the finest,
     /// and at points of later bounces.
     pub value: Vec<Link>,
+    /// Links that the receiver's children take over; empty without [pairwise links](super::pairwise).
+    pub handed: Vec<HandedLink>,
     /// Cost of the gather.
     pub cost: GatherCost,
 }
@@ -59,6 +64,7 @@ impl Gathered {
         };
         row(&self.links)
             && row(&self.value)
+            && pairwise::handed::fits(&self.handed, senders)
             && self.cost.rays <= u32::MAX as u64
             && self.cost.seen.is_finite()
             && self.cost.lost.is_finite()
@@ -69,11 +75,12 @@ impl Gathered {
 pub struct Scratch {
     /// Gathered and predicted irradiance by sender: [`GATHERED`](super::gather_context::GATHERED),
     /// [`PREDICTED`].
-    senders: SparseAccumulator<2>,
+    pub(super) senders: SparseAccumulator<2>,
     found: GatherBatch,
     /// A receiver's own differences and the mean differences of the neighbourhood.
     pooled: SparseAccumulator<4>,
     neighbourhood: Neighbourhood,
+    pub(super) pairs: PairScratch,
 }
 
 impl Scratch {
@@ -84,6 +91,7 @@ impl Scratch {
             found: GatherBatch::default(),
             pooled: SparseAccumulator::new(senders),
             neighbourhood: Neighbourhood::default(),
+            pairs: PairScratch::default(),
         }
     }
 }
@@ -121,7 +129,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     fn pooled_links(&self, gather: &Gather, scratch: &mut Scratch, mut done: impl FnMut(usize, Gathered)) {
         let &Gather { receivers, level, directions, values } = gather;
         let (mut rows, mut costs) = (Vec::new(), Vec::new());
-        let Scratch { senders, found, pooled, neighbourhood } = scratch;
+        let Scratch { senders, found, pooled, neighbourhood, .. } = scratch;
         for group in receivers.chunks(receivers_together(directions)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
@@ -167,7 +175,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// Whether a receiver's value is read: by children or by later bounces.
-    fn is_read(&self, receiver: usize, level: usize) -> bool {
+    pub(super) fn is_read(&self, receiver: usize, level: usize) -> bool {
         level + 1 < self.settings.levels || receiver < self.coarse_count
     }
 
@@ -190,7 +198,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// A receiver's parents and their shares, which sum to 1.
-    fn parents(&self, receiver: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+    pub(super) fn parents(&self, receiver: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         let row = self.relations.push().row(receiver);
         let total: f32 = row.iter().map(|e| e.weight()).sum();
         row.iter().map(move |e| (e.point(), e.weight() / total))
@@ -203,7 +211,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
 
     /// Sparsifies the value of a receiver with its own links: the links plus the parents' values in
     /// `sums`.
-    fn value_with(&self, links: &[Link], level: usize, sums: &mut SparseAccumulator<2>) -> Vec<Link> {
+    pub(super) fn value_with(
+        &self,
+        links: &[Link],
+        level: usize,
+        sums: &mut SparseAccumulator<2>,
+    ) -> Vec<Link> {
         for link in links {
             sums.add(PREDICTED, link.sender(), link.amount());
         }
@@ -211,7 +224,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// Eq. 17: adds the parents' values at this receiver, interpolated as in the push.
-    fn predict(&self, receiver: usize, values: &[Vec<Link>], sums: &mut SparseAccumulator<2>) {
+    pub(super) fn predict(&self, receiver: usize, values: &[Vec<Link>], sums: &mut SparseAccumulator<2>) {
         for (parent, share) in self.parents(receiver) {
             for link in &values[parent] {
                 sums.add(PREDICTED, link.sender(), share * link.amount());

@@ -3,6 +3,7 @@
 use super::bounces::Columns;
 use super::gather::Gathered;
 use super::gather_context::GatherCost;
+use super::pairwise::handed::HandedLink;
 use crate::job::bytes::{Reader, lengths, put};
 use crate::job::parts::PartResult;
 use glam::Vec3;
@@ -20,9 +21,11 @@ impl PartResult for GatheredChunk {
         put(out, &found.iter().map(|g| [g.cost.seen, g.cost.lost]).collect::<Vec<_>>());
         put(out, &lengths(found.iter().map(|g| &g.links)));
         put(out, &lengths(found.iter().map(|g| &g.value)));
+        put(out, &lengths(found.iter().map(|g| &g.handed)));
         for gathered in found {
             put(out, &gathered.links);
             put(out, &gathered.value);
+            put(out, &gathered.handed);
         }
     }
 
@@ -30,24 +33,26 @@ impl PartResult for GatheredChunk {
         let count = from.one::<u64>()? as usize;
         let rays = from.take::<u64>(count)?;
         let light = from.take::<[f64; 2]>(count)?;
-        let lengths: Vec<_> = from.take::<u32>(count)?.into_iter().zip(from.take::<u32>(count)?).collect();
+        let [links, values, handed] = [from.take::<u32>(count)?, from.take(count)?, from.take(count)?];
         let mut found = Vec::with_capacity(count);
-        for ((rays, [seen, lost]), (links, value)) in rays.into_iter().zip(light).zip(lengths) {
-            let links: Vec<Link> = from.take(links as usize)?;
-            let value: Vec<Link> = from.take(value as usize)?;
-            found.push(Gathered { links, value, cost: GatherCost { rays, seen, lost } });
+        for (k, (rays, [seen, lost])) in rays.into_iter().zip(light).enumerate() {
+            let links: Vec<Link> = from.take(links[k] as usize)?;
+            let value: Vec<Link> = from.take(values[k] as usize)?;
+            let handed: Vec<HandedLink> = from.take(handed[k] as usize)?;
+            found.push(Gathered { links, value, handed, cost: GatherCost { rays, seen, lost } });
         }
         Some(Self(found))
     }
 
-    /// Links and cost are for process 0. All processes need the values, and the first link as a flag for non-empty
-    /// links.
+    /// Links and cost are for process 0. All processes need the values, what is handed to children, and the first link as
+    /// a flag for non-empty links.
     fn split(&self) -> [Self; 2] {
         let first =
             |row: &Gathered| Gathered { links: row.links.clone(), cost: row.cost, ..Gathered::default() };
         let all = |row: &Gathered| Gathered {
             links: row.links.first().copied().into_iter().collect(),
             value: row.value.clone(),
+            handed: row.handed.clone(),
             cost: GatherCost::default(),
         };
         [Self(self.0.iter().map(first).collect()), Self(self.0.iter().map(all).collect())]
@@ -55,7 +60,9 @@ impl PartResult for GatheredChunk {
 
     fn join([mut first, all]: [Self; 2]) -> Option<Self> {
         (first.0.len() == all.0.len()).then_some(())?;
-        first.0.iter_mut().zip(all.0).for_each(|(row, all)| row.value = all.value);
+        first.0.iter_mut().zip(all.0).for_each(|(row, all)| {
+            (row.value, row.handed) = (all.value, all.handed);
+        });
         Some(first)
     }
 }
@@ -99,6 +106,7 @@ mod tests {
             Gathered {
                 links: vec![Link::pack(3, 0.5), Link::pack(4, 0.25)],
                 value: vec![Link::pack(3, 0.5), Link::pack(9, -0.1)],
+                handed: vec![HandedLink { sender: 3, share: 0.5, amount: 0.25, open: 0.5, is_refined: 1 }],
                 cost: GatherCost { rays: 512, seen: 0.7, lost: 1e-9 },
             },
         ])

@@ -14,6 +14,7 @@
 //! * [`neighbourhood`] – sharing of gathered differences between receivers;
 //! * [`sparsify`] – selection of row entries that become links;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
+//! * [`pairwise`] – T by refining links one at a time instead; `pair_links` – their rows;
 //! * `coarse_matrix` – coarse transport matrix C between the coarse points;
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points;
 //! * [`solver`] – the stages in order, with progress, checkpoint and processes; `messages` – their results as bytes.
@@ -40,6 +41,8 @@ pub mod hit_cache;
 pub mod mean_albedo;
 mod messages;
 mod neighbourhood;
+mod pair_links;
+pub mod pairwise;
 #[doc(hidden)]
 pub mod ray_sort;
 #[doc(hidden)]
@@ -51,6 +54,6 @@ pub mod solver;
 mod sparsify;
 pub mod tint;
 
-pub use super::operator::{Operator, OperatorSettings};
+pub use super::operator::{Operator, OperatorSettings, Refinement};
 pub use solver::DirectToIndirect;
 pub(super) use solver::colours;

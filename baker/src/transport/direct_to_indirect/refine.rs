@@ -7,8 +7,12 @@ use super::coarse_matrix::CoarseMatrix;
 use super::directions::Directions;
 use super::gather::{Gather, Gathered, Scratch};
 use super::gather_context::GatherContext;
+use super::pair_links::PairGather;
+use super::pairwise::Pairwise;
+use super::pairwise::handed::HandedLink;
+use super::pairwise::quadrature::PLACES;
 use super::senders::Senders;
-use super::{Operator, OperatorSettings, tint};
+use super::{Operator, OperatorSettings, Refinement, tint};
 use crate::basis::Relations;
 use crate::geometry::Surfaces;
 use crate::sampling::Points;
@@ -28,7 +32,12 @@ pub fn refine<S: Surfaces + ?Sized>(
 ) -> Operator {
     let tints = tint::tints(surfaces, points, settings.seed);
     let senders = Senders::unwatched(surfaces, points, settings, &tints);
+    let pairwise = match settings.refinement {
+        Refinement::Gather => None,
+        Refinement::Pairwise => Pairwise::new(surfaces, points, relations, settings, &tints, &()).ok(),
+    };
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
+    refiner.set_pairwise(pairwise.as_ref());
     for _ in &points.levels {
         refiner.level();
     }
@@ -44,6 +53,9 @@ pub struct Refiner<'a, S: Surfaces + ?Sized> {
     operator: Operator,
     /// Values of the receivers of finished levels: [`Gathered::value`].
     values: Vec<Vec<Link>>,
+    /// Set for pairwise links: their senders, and of finished levels what receivers [hand down](Gathered::handed).
+    pairwise: Option<&'a Pairwise>,
+    handed: Vec<Vec<HandedLink>>,
     /// The next level to compute.
     level: usize,
     /// Row sum of each receiver: the receiver's irradiance with unit light at all senders.
@@ -78,6 +90,8 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 reflected: settings.reflected,
                 ..Operator::default()
             },
+            pairwise: None,
+            handed: vec![Vec::new(); points.points.len()],
             level: 0,
             row_sums: vec![0.0; points.points.len()],
             seen: 0.0,
@@ -86,10 +100,21 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
     }
 
+    /// Refines [pairwise links](super::pairwise) instead of gathering rows, where `pairwise` is given.
+    pub fn set_pairwise(&mut self, pairwise: Option<&'a Pairwise>) {
+        self.pairwise = pairwise;
+    }
+
     /// Whether a receiver of the next level is gathered for: a child of a receiver with links, a
     /// receiver without parents, or any receiver of the far levels and of the level after the far
-    /// levels.
+    /// levels. With pairwise links: a child of a receiver that hands links down, or a receiver without
+    /// parents.
     fn is_wanted(&self, i: usize) -> bool {
+        if self.pairwise.is_some() {
+            let parents = self.context.relations.push().row(i);
+            return parents.is_empty()
+                || parents.iter().any(|parent| !self.handed[parent.point()].is_empty());
+        }
         if self.level <= self.context.settings.far_levels && self.context.settings.far_levels > 0 {
             return true;
         }
@@ -105,7 +130,17 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
 
     /// Number of rays to cast for the next level.
     pub fn rays_ahead(&self) -> u64 {
-        self.receivers_ahead().len() as u64 * self.context.settings.rays_on(self.level) as u64
+        let rays = self.context.settings.rays_on(self.level) as u64;
+        let receivers = self.receivers_ahead();
+        let Some(pairwise) = self.pairwise else { return receivers.len() as u64 * rays };
+        // About as many links as the parent with the most hands down, with all rays of both ends.
+        let links = |i: &usize| {
+            let parents = self.context.relations.push().row(*i);
+            let most = parents.iter().map(|parent| self.handed[parent.point()].len()).max();
+            2 * PLACES as u64 * most.unwrap_or(pairwise.root_count) as u64
+                + if parents.is_empty() { rays } else { 0 }
+        };
+        receivers.par_iter().map(links).sum()
     }
 
     /// Returns the gathers of the next level, by chunk.
@@ -164,6 +199,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
         self.operator.links[i] = gathered.links;
         self.values[i] = gathered.value;
+        self.handed[i] = gathered.handed;
     }
 
     /// T of the levels computed so far.
@@ -225,9 +261,22 @@ impl<S: Surfaces + ?Sized> LevelGather<'_, '_, S> {
         let (first, mut rows) = (receivers.start, vec![Gathered::default(); receivers.len()]);
         let (wanted, others): (Vec<usize>, Vec<usize>) = receivers.partition(|i| refiner.is_wanted(*i));
         let (directions, values) = (&self.directions, &refiner.values[..]);
-        let gather = Gather { receivers: &wanted, level, directions, values };
-        refiner.context.links(&gather, &mut scratch, |i, gathered| rows[i - first] = gathered);
-        for i in others {
+        let done = |i: usize, gathered: Gathered| rows[i - first] = gathered;
+        match refiner.pairwise {
+            None => {
+                let gather = Gather { receivers: &wanted, level, directions, values };
+                refiner.context.links(&gather, &mut scratch, done);
+            }
+            Some(pairwise) => {
+                let (handed, row_sums) = (&refiner.handed[..], &refiner.row_sums[..]);
+                let receivers = &wanted[..];
+                let gather = PairGather { receivers, level, directions, values, handed, row_sums, pairwise };
+                refiner.context.pair_links(&gather, &mut scratch, done);
+            }
+        }
+        // With pairwise links, children read what is handed down and no values.
+        let reads = |i: usize| refiner.pairwise.is_none() || i < refiner.context.coarse_count;
+        for i in others.into_iter().filter(|i| reads(*i)) {
             rows[i - first] = refiner.context.inherit(i, level, values, &mut scratch);
         }
         if let Ok(mut free) = self.scratches.lock() {

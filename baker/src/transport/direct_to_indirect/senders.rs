@@ -1,10 +1,10 @@
 //! The senders of an operator: functions, tints, hit cache and blocks.
 
-use super::OperatorSettings;
 use super::gather_context::GatherContext;
 use super::hit_cache::{HitCache, Layout};
 use super::neighbourhood::SenderBlocks;
 use super::tint;
+use super::{OperatorSettings, Refinement};
 use crate::basis::{Leveled, Relations, sender_evaluator};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
@@ -39,7 +39,9 @@ impl Senders {
         let coarse_levels = settings.later_levels.min(levels);
         let all = Leveled::new((0..levels).map(|l| sender_evaluator(points, l)).collect());
         let duals = tint::duals(tints);
-        let tiles = surfaces.primitives().map(|pieces| {
+        // Pairwise links meet no hit but those of the initial gather.
+        let is_cached = settings.refinement == Refinement::Gather;
+        let tiles = surfaces.primitives().filter(|_| is_cached).map(|pieces| {
             let layout = Layout::new(pieces, &all, duals.len(), watch)?;
             watch.expect(layout.count() as u64);
             HitCache::on(layout, pieces, &all, &duals, settings.seed, watch)

@@ -3,10 +3,11 @@
 use super::bounces::{Columns, LaterBounces, column_count, set_later};
 use super::mean_albedo::reflected_share;
 use super::messages::GatheredChunk;
+use super::pairwise::Pairwise;
 use super::refine::{LevelGather, Refiner};
 use super::senders::Senders;
 use super::tint::PointColour;
-use super::{Operator, OperatorSettings, tint};
+use super::{Operator, OperatorSettings, Refinement, tint};
 use crate::geometry::Surfaces;
 use crate::job::Job;
 use crate::job::communicator::CommunicatorError;
@@ -41,8 +42,15 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
         drop(watch);
         let watch = job.reporter.begin(Stage::HitCache, None);
         let senders = Senders::new(surfaces, points, &settings, &tints, &*watch)?;
+        let pairwise = match settings.refinement {
+            Refinement::Gather => None,
+            Refinement::Pairwise => {
+                Some(Pairwise::new(surfaces, points, relations, &settings, &tints, &*watch)?)
+            }
+        };
         drop(watch);
         let mut refiner = Refiner::new(surfaces, points, relations, &settings, &senders, tints);
+        refiner.set_pairwise(pairwise.as_ref());
         let levels = points.levels.len();
         let coarse_levels = settings.later_levels.min(levels);
         for level in 0..levels {
