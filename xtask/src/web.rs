@@ -51,6 +51,7 @@ pub fn build() -> Result<()> {
         shrink(&pkg.join(format!("{name}_bg.wasm")))?;
     }
     bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
+    optimise(&pkg.join(format!("{BAKER}_bg.wasm")), &BAKER_PASSES)?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
@@ -123,6 +124,16 @@ const PASSES: [&str; 14] = [
 /// Final passes, run once.
 const LAST: [&str; 4] =
     ["--generate-global-effects", "--simplify-locals-notee-nostructure", "--vacuum", "--rse"];
+/// Passes for the baker, which LLVM compiles for speed: no more than duplicates and what is never reached.
+const BAKER_PASSES: [&str; 7] = [
+    "--enable-simd",
+    "--duplicate-function-elimination",
+    "--remove-unused-module-elements",
+    "--remove-unused-brs",
+    "--merge-blocks",
+    "--rse",
+    "--vacuum",
+];
 /// Wasm features used by LLVM's output, passed to Binaryen explicitly instead of detected from the file.
 const FEATURES: [&str; 6] = [
     "--enable-bulk-memory",
@@ -135,16 +146,18 @@ const FEATURES: [&str; 6] = [
 
 /// Replaces a wasm file by a smaller equivalent file.
 fn shrink(wasm: &Path) -> Result<()> {
-    let optimise = |passes: &[&str]| {
-        let mut command = Command::new("node");
-        command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(passes);
-        process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
-    };
     // Two rounds: the second round removes duplicates produced by the first.
-    optimise(&[&PASSES[..], &PASSES[..], &LAST[..]].concat())?;
+    optimise(wasm, &[&PASSES[..], &PASSES[..], &LAST[..]].concat())?;
     let module = fs::read(wasm).with_context(|| wasm.display().to_string())?;
     fs::write(wasm, function_order::name(&module)?).with_context(|| wasm.display().to_string())?;
-    optimise(&["--reorder-functions-by-name"])
+    optimise(wasm, &["--reorder-functions-by-name"])
+}
+
+/// Runs passes of Binaryen's wasm-opt on a file.
+fn optimise(wasm: &Path, passes: &[&str]) -> Result<()> {
+    let mut command = Command::new("node");
+    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(passes);
+    process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
 }
 
 /// Removes panic locations and `{:?}` output from the build: a tenth of a bundle, never visible on a page.

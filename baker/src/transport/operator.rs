@@ -13,7 +13,8 @@ pub enum Refinement {
     /// [Adaptive gather](super::direct_to_indirect::refine) of whole rows (Lehtinen et al. 2008, Fig. 5).
     #[default]
     Gather,
-    /// [Pairwise links](super::direct_to_indirect::pairwise), one at a time (Lehtinen et al. 2007, 6.5).
+    /// [Pairwise links](super::direct_to_indirect::pairwise), one at a time (Lehtinen et al. 2007, 6.5). Feature `pairwise`.
+    #[cfg(feature = "pairwise")]
     Pairwise,
 }
 

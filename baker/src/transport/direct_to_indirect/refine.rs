@@ -34,6 +34,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     let senders = Senders::unwatched(surfaces, points, settings, &tints);
     let pairwise = match settings.refinement {
         Refinement::Gather => None,
+        #[cfg(feature = "pairwise")]
         Refinement::Pairwise => Pairwise::new(surfaces, points, relations, settings, &tints, &()).ok(),
     };
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
@@ -105,12 +106,17 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         self.pairwise = pairwise;
     }
 
+    /// The pairwise links' senders; a constant without the feature `pairwise`, so that no code of it is left.
+    fn pairwise(&self) -> Option<&'a Pairwise> {
+        self.pairwise.filter(|_| cfg!(feature = "pairwise"))
+    }
+
     /// Whether a receiver of the next level is gathered for: a child of a receiver with links, a
     /// receiver without parents, or any receiver of the far levels and of the level after the far
     /// levels. With pairwise links: a child of a receiver that hands links down, or a receiver without
     /// parents.
     fn is_wanted(&self, i: usize) -> bool {
-        if self.pairwise.is_some() {
+        if self.pairwise().is_some() {
             let parents = self.context.relations.push().row(i);
             return parents.is_empty()
                 || parents.iter().any(|parent| !self.handed[parent.point()].is_empty());
@@ -132,7 +138,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
     pub fn rays_ahead(&self) -> u64 {
         let rays = self.context.settings.rays_on(self.level) as u64;
         let receivers = self.receivers_ahead();
-        let Some(pairwise) = self.pairwise else { return receivers.len() as u64 * rays };
+        let Some(pairwise) = self.pairwise() else { return receivers.len() as u64 * rays };
         // About as many links as the parent with the most hands down, with all rays of both ends.
         let links = |i: &usize| {
             let parents = self.context.relations.push().row(*i);
@@ -262,7 +268,7 @@ impl<S: Surfaces + ?Sized> LevelGather<'_, '_, S> {
         let (wanted, others): (Vec<usize>, Vec<usize>) = receivers.partition(|i| refiner.is_wanted(*i));
         let (directions, values) = (&self.directions, &refiner.values[..]);
         let done = |i: usize, gathered: Gathered| rows[i - first] = gathered;
-        match refiner.pairwise {
+        match refiner.pairwise() {
             None => {
                 let gather = Gather { receivers: &wanted, level, directions, values };
                 refiner.context.links(&gather, &mut scratch, done);
@@ -275,7 +281,7 @@ impl<S: Surfaces + ?Sized> LevelGather<'_, '_, S> {
             }
         }
         // With pairwise links, children read what is handed down and no values.
-        let reads = |i: usize| refiner.pairwise.is_none() || i < refiner.context.coarse_count;
+        let reads = |i: usize| refiner.pairwise().is_none() || i < refiner.context.coarse_count;
         for i in others.into_iter().filter(|i| reads(*i)) {
             rows[i - first] = refiner.context.inherit(i, level, values, &mut scratch);
         }

@@ -3,6 +3,7 @@
 use super::bounces::{Columns, LaterBounces, column_count, set_later};
 use super::mean_albedo::reflected_share;
 use super::messages::GatheredChunk;
+#[cfg(feature = "pairwise")]
 use super::pairwise::Pairwise;
 use super::refine::{LevelGather, Refiner};
 use super::senders::Senders;
@@ -44,6 +45,7 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
         let senders = Senders::new(surfaces, points, &settings, &tints, &*watch)?;
         let pairwise = match settings.refinement {
             Refinement::Gather => None,
+            #[cfg(feature = "pairwise")]
             Refinement::Pairwise => {
                 Some(Pairwise::new(surfaces, points, relations, &settings, &tints, &*watch)?)
             }
