@@ -1,7 +1,6 @@
 /** Plays one animation of lights at a time. */
 
 import { agrees, lightsAt, valueAt, type LightAnimation } from "./animation.js";
-import type { Moving } from "../nodes/moving.js";
 import type { Light } from "../wire/shot.js";
 
 /** The longest step between two frames that is believed, seconds: after a pause of the page nothing jumps. */
@@ -15,13 +14,21 @@ export interface PlayOptions {
   repetitions?: number;
 }
 
+/** Nodes that an animation moves. */
+export interface AnimatedNodes {
+  /** Puts the nodes where an animation has them; `value` is that of a track at the moment. */
+  play(animation: LightAnimation, value: (track: LightAnimation["tracks"][number]) => number[]): void;
+  /** Where the nodes of an animation are, as text. */
+  state(animation: LightAnimation): string;
+}
+
 /** What the player needs of the element. */
 export interface PlayerHost {
   /** Reads or writes the lights; nothing while no scene is loaded. */
   readLights(): Light[] | undefined;
   writeLights(lights: Light[]): void;
   /** Nodes that may move, where the scene has some. */
-  moving(): Moving | undefined;
+  moving(): AnimatedNodes | undefined;
   /** The name of the wanted animation. */
   animationName(): string;
   tell(type: "play" | "pause" | "finished", detail: { name: string }): void;

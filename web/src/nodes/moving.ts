@@ -1,13 +1,14 @@
 /** What the renderer of all files has beside the other one: nodes that move, and a choice of what computes bounced light. */
 
 import type { LightAnimation } from "../animation/animation.js";
+import type { AnimatedNodes } from "../animation/player.js";
 import type { RebounceEventMap } from "../element/events.js";
 import type { Viewer } from "../rebounce_radiosity.js";
 import type { NodeMove, Nodes } from "../wire/shot.js";
 import { motionsOf, movesIn, nodesOf } from "./nodes.js";
 
 /** The part of a viewer that is about nodes. */
-export class Moving {
+export class Moving implements AnimatedNodes {
   #viewer: Viewer;
   /** What was told last. */
   #motions = "";
