@@ -1,8 +1,8 @@
 //! The passes of a solution in order: bounce after bounce, each from the coarsest level to finer ones.
 //!
 //! The 2011 paper gathers for every bounce on all levels. Later bounces are smooth: here by default all bounces but the last
-//! are gathered on the levels up to the senders', and one pass over all levels then gathers the sum of all unshot light. It
-//! has the same light with a fraction of the gathers ([`Passes`]).
+//! are gathered on the levels but the finest, and one pass over all levels then gathers the sum of all unshot light. It has
+//! the same light with a fraction of the gathers ([`Passes`]).
 
 use super::accelerator::Accelerator;
 use super::gather::{Gather, Gathered};
@@ -18,7 +18,7 @@ use glam::Vec3;
 pub enum Passes {
     /// Every bounce on all levels, as the 2011 paper does.
     EachBounce,
-    /// Bounces on the levels up to the senders', then the sum of them once on all levels.
+    /// Bounces on the coarser levels, then the sum of them once on all levels.
     #[default]
     Summed,
 }
@@ -30,8 +30,12 @@ pub struct RadiositySettings {
     pub rays: u32,
     /// Bounces of light, at least one; those that follow are taken to keep the last two bounces' ratio.
     pub bounces: u32,
-    /// Level of the senders, counted from the finest one: 0 is the finest.
+    /// Level of the senders, counted from the finest one: 0 is the finest. What is known of direct light there costs nothing;
+    /// a small object may have no coarser point on its lit side.
     pub senders_above: usize,
+    /// Finest level that all bounces but the last are gathered on, counted as above: points of finer levels have what their
+    /// parents have.
+    pub bounces_above: usize,
     /// Relative difference from the parents at which a point's children are gathered for.
     pub epsilon: f32,
     /// Standard deviations of its noise that a difference must stand out of.
@@ -47,12 +51,25 @@ impl Default for RadiositySettings {
         Self {
             rays: 512,
             bounces: 6,
-            senders_above: 1,
+            senders_above: 0,
+            bounces_above: 1,
             epsilon: 0.1,
             significance: 0.5,
             reconstruction: Reconstruction::default(),
             passes: Passes::default(),
         }
+    }
+}
+
+impl RadiositySettings {
+    /// Level of the senders, of so many levels.
+    pub fn sender_level(&self, levels: usize) -> usize {
+        levels.saturating_sub(1).saturating_sub(self.senders_above)
+    }
+
+    /// Number of coarsest levels that all bounces but the last are gathered on.
+    pub fn levels_of_bounces(&self, levels: usize) -> usize {
+        levels.saturating_sub(1).saturating_sub(self.bounces_above) + 1
     }
 }
 
@@ -130,7 +147,7 @@ pub fn solve(
                 lookup: &baked.relations.lookup,
                 points: &points,
                 cuts: &baked.cuts,
-                level: (levels - 1).saturating_sub(settings.senders_above),
+                level: settings.sender_level(levels),
                 levels,
             },
             finest_radius: baked.meta.levels[levels - 1].support_radius,
@@ -173,10 +190,11 @@ impl Solver<'_> {
 
     fn summed(&self, direct: &[Vec3]) -> Solution {
         let bounces = self.settings.bounces.max(1);
+        let levels = self.gather.senders.levels;
         let mut out = Solution { bounces, ..Solution::default() };
         let (mut unshot, mut sum, mut means) = (direct.to_vec(), direct.to_vec(), Vec::new());
         for bounce in 1..bounces {
-            unshot = self.pass(bounce, &unshot, self.gather.senders.level + 1, &mut out.gathers);
+            unshot = self.pass(bounce, &unshot, self.settings.levels_of_bounces(levels), &mut out.gathers);
             means.push(self.mean(&unshot));
             let factor = if bounce + 1 == bounces { 1.0 + further(&means) } else { 1.0 };
             sum.iter_mut().zip(&unshot).for_each(|(sum, light)| *sum += factor * *light);

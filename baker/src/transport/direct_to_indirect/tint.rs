@@ -3,7 +3,7 @@
 //! A link holds the brightness of a sender as seen by a receiver, a single amount for all channels;
 //! the colour is the sender's tint. Radiosity, which has no links, takes the amount from the point.
 
-use crate::geometry::{Ray, Surfaces};
+use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::Stream;
 use crate::sampling::Points;
 use glam::{Vec3, Vec3A};
@@ -16,6 +16,8 @@ use rebounce_shared::kernel::weight;
 const RAYS: [usize; 2] = [8, 64];
 /// Height of the ray origins above the surface, in support radii.
 const ABOVE: f32 = 0.1;
+/// Surfaces of other groups that may stand before a point's, within [`ABOVE`].
+const MOST_BEFORE: u32 = 4;
 /// Mantissas are multiples of this unit: a channel is exact within a 256th of the largest channel.
 const TINT_UNIT: u32 = 2;
 
@@ -87,7 +89,7 @@ fn albedo_sum<S: Surfaces + ?Sized>(
         let along = (first * angle.cosine() + second * angle.sine()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
         let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
-        if let Some(hit) = surfaces.cast(&down, stream.bits() as u32)
+        if let Some(hit) = of_group(surfaces, down, point.group, stream.bits() as u32)
             && hit.faces(down.direction)
         {
             let offset = hit.position - point.position;
@@ -101,11 +103,46 @@ fn albedo_sum<S: Surfaces + ?Sized>(
     (sum, total)
 }
 
+/// The nearest hit with a surface of a reconstruction group: what stands before it is another group's, and may move away.
+fn of_group<S: Surfaces + ?Sized>(surfaces: &S, mut ray: Ray, group: u32, seed: u32) -> Option<Hit> {
+    for _ in 0..=MOST_BEFORE {
+        let hit = surfaces.cast(&ray, seed)?;
+        if hit.group == group {
+            return Some(hit);
+        }
+        let passed = hit.distance + surfaces.epsilon_at(hit.position);
+        ray.origin += passed * ray.direction;
+        ray.max_distance -= passed;
+        if ray.max_distance <= 0.0 {
+            break;
+        }
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::mesh::TriangleSurfaces;
     use crate::sampling::{PointLevel, SurfacePoint};
+
+    #[test]
+    fn surfaces_of_other_groups_have_no_part_in_a_points_colour() {
+        let scene = crate::io::load("builtin:cornell-box").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let middle = surfaces.bounds().0.lerp(surfaces.bounds().1, 0.5);
+        let ray = Ray { origin: middle, direction: Vec3::Y, max_distance: f32::INFINITY, spread: 0.0 };
+        let hit = surfaces.cast(&ray, 0).unwrap();
+        let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
+        let point = SurfacePoint::at(&hit, &surfaces);
+        let of = |group| {
+            let points = vec![SurfacePoint { group, ..point }];
+            let points = Points { levels: vec![level], points, ..Points::default() };
+            colour(&surfaces, &points, 0, 0, 1).reflectance
+        };
+        assert!(of(point.group) > 100);
+        assert_eq!(of(point.group + 1), 0);
+    }
 
     #[test]
     fn a_red_wall_is_red_and_a_white_one_white() {

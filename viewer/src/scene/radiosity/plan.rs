@@ -57,13 +57,14 @@ pub(super) struct Plan {
 impl Plan {
     /// The steps for levels of points.
     pub fn new(levels: Vec<Range<usize>>, settings: &RadiositySettings) -> Self {
-        let sender_level = levels.len().saturating_sub(1).saturating_sub(settings.senders_above);
+        let sender_level = settings.sender_level(levels.len());
+        let of_bounces = settings.levels_of_bounces(levels.len());
         let steps = Vec::new();
         let ends_in_values = settings.passes == Passes::Summed;
         let mut plan = Self { levels, sender_level, steps, next: (0, 0), ends_in_values };
         let bounces = settings.bounces.max(1);
         match settings.passes {
-            Passes::Summed => plan.summed(bounces),
+            Passes::Summed => plan.summed(bounces, of_bounces),
             Passes::EachBounce => plan.each_bounce(bounces),
         }
         plan
@@ -73,10 +74,10 @@ impl Plan {
         self.sender_level
     }
 
-    fn summed(&mut self, bounces: u32) {
+    fn summed(&mut self, bounces: u32, gathered: usize) {
         self.send(true, 0.0, bounces == 1, 0);
         for bounce in 1..bounces {
-            self.pass(bounce, bounce - 1, self.sender_level + 1);
+            self.pass(bounce, bounce - 1, gathered);
             let is_last = bounce + 1 == bounces;
             self.send(false, if is_last { 2.0 } else { 1.0 }, is_last, bounce - 1);
         }
