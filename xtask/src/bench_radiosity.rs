@@ -32,5 +32,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let figures = String::from_utf8_lossy(&output.stdout);
     println!("{figures}");
     ensure!(output.status.success(), "the figures were not finished ({})", output.status);
-    report::write("radiosity", "Radiosity and groups", "cargo xtask bench-radiosity", &figures)
+    let command = ["cargo xtask bench-radiosity"].into_iter().chain(args.iter().map(String::as_str));
+    let command: Vec<&str> = command.collect();
+    report::write("radiosity", "Radiosity and groups", &command.join(" "), &figures)
 }

@@ -137,7 +137,7 @@ mod tests {
         let point = SurfacePoint::at(&hit, &surfaces);
         let of = |group| {
             let points = vec![SurfacePoint { group, ..point }];
-            let points = Points { levels: vec![level], points, ..Points::default() };
+            let points = Points { levels: vec![level.clone()], points, ..Points::default() };
             colour(&surfaces, &points, 0, 0, 1).reflectance
         };
         assert!(of(point.group) > 100);
