@@ -29,7 +29,10 @@ fn head(command: &str) -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     let [year, month, day] = date(seconds / 86_400);
     let made = format!("Made by `{command}`");
-    format!("{made} at commit {} on {year}-{month:02}-{day:02},\n{}.", commit(), processor())
+    let at = format!("at commit {} on {year}-{month:02}-{day:02},", commit());
+    // Lines of 100 columns.
+    let gap = if made.len() + at.len() < 100 { ' ' } else { '\n' };
+    format!("{made}{gap}{at}\n{}.", processor())
 }
 
 /// Commit of the working tree, and whether it has changes.
