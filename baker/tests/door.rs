@@ -1,12 +1,12 @@
 //! A door leaf that moves: closed it is a wall, open a doorway, whichever way the file was baked.
 
+use crate::leaks::light_from;
 use glam::{DVec3, Vec3};
 use rebounce::bake::{BakeSettings, BakeSolver, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::picture::Only;
 use rebounce::light::illumination::Illumination;
-use rebounce::random::{Stream, mix};
+use rebounce::random::mix;
 use rebounce::verify::compare::compare;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::path_trace::{Settings, path_trace};
@@ -52,19 +52,8 @@ fn relit(file: &BakedScene, motions: &Motions) -> (TriangleSurfaces, Relit) {
 /// Mean and greatest bounced irradiance of what is seen from the middle of the lit room, and of the dark one.
 fn seen(file: &BakedScene, motions: &Motions) -> [(f32, f32); 2] {
     let (surfaces, relit) = relit(file, motions);
-    [-2.0, 2.0].map(|x| {
-        let origin = (DVec3::new(x, 1.2, 2.0) - DVec3::from(file.meta.origin)).as_vec3();
-        let mut stream = Stream::new(3, 3);
-        let (mut sum, mut greatest, count) = (0.0, 0f32, 20_000);
-        for _ in 0..count {
-            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
-            let hit = surfaces.cast(&ray, 0).unwrap();
-            let light = relit.indirect(&surfaces, &hit, &mut stream).dot(Vec3::splat(1.0 / 3.0));
-            sum += light;
-            greatest = greatest.max(light);
-        }
-        (sum / count as f32, greatest)
-    })
+    let origin = DVec3::from(file.meta.origin);
+    [-2.0, 2.0].map(|x| light_from(&surfaces, &relit, DVec3::new(x, 1.2, 2.0) - origin))
 }
 
 #[test]

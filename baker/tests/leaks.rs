@@ -20,23 +20,26 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
     seen_in_rooms(&scene, &file)
 }
 
+/// Mean and greatest bounced irradiance of what is seen from a place, local space.
+pub fn light_from(surfaces: &TriangleSurfaces, relit: &Relit, place: DVec3) -> (f32, f32) {
+    let mut stream = Stream::new(3, 3);
+    let (mut sum, mut greatest, count) = (0.0, 0f32, 20_000);
+    for _ in 0..count {
+        let (origin, direction) = (place.as_vec3(), stream.sphere());
+        let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        let hit = surfaces.cast(&ray, 0).unwrap();
+        let light = relit.indirect(surfaces, &hit, &mut stream).dot(Vec3::splat(1.0 / 3.0));
+        sum += light;
+        greatest = greatest.max(light);
+    }
+    (sum / count as f32, greatest)
+}
+
 /// The figures of [`rooms`] for a baked file.
 pub fn seen_in_rooms(scene: &Scene, file: &BakedScene) -> (f32, f32, f32) {
     let surfaces = TriangleSurfaces::from_scene(scene);
     let relit = Relit::new(file, &surfaces, &scene.lights, true);
-    let seen_from = |world: DVec3| {
-        let origin = (world - DVec3::from(scene.origin)).as_vec3();
-        let mut stream = Stream::new(3, 3);
-        let (mut sum, mut greatest, n) = (0.0, 0f32, 20_000);
-        for _ in 0..n {
-            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
-            let hit = surfaces.cast(&ray, 0).unwrap();
-            let light = relit.indirect(&surfaces, &hit, &mut stream).dot(Vec3::splat(1.0 / 3.0));
-            sum += light;
-            greatest = greatest.max(light);
-        }
-        (sum / n as f32, greatest)
-    };
+    let seen_from = |world: DVec3| light_from(&surfaces, &relit, world - DVec3::from(scene.origin));
     let ((lit, _), (other, greatest)) =
         (seen_from(DVec3::new(-2.0, 1.2, 2.0)), seen_from(DVec3::new(2.0, 1.2, 2.0)));
     (lit, other, greatest)

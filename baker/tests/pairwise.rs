@@ -1,6 +1,7 @@
 //! Laws of pairwise links.
 
 use crate::box_room::BoxRoom;
+use crate::tiles;
 use glam::{DVec3, Vec3};
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::basis::{Relations, relate};
@@ -34,17 +35,10 @@ fn placed<S: Surfaces>(surfaces: &S, from: Vec3) -> (Points, Relations) {
 fn settings(refinement: Refinement, epsilon: f32) -> OperatorSettings {
     OperatorSettings {
         refinement,
-        sender_levels: 4,
         epsilon,
         reflected: ALBEDO,
         rays: vec![4096, 2048, 1024, 1024],
-        significance: 0.0,
-        pooled_levels: 0,
-        bounces: Some(1),
-        later_levels: 2,
-        far_levels: 0,
-        levels: 4,
-        seed: 1,
+        ..tiles::settings(1)
     }
 }
 

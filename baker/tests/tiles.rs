@@ -40,7 +40,8 @@ impl Surfaces for HitByHit<'_> {
     }
 }
 
-fn settings(seed: u64) -> OperatorSettings {
+/// One bounce over four levels, without margins for noise.
+pub fn settings(seed: u64) -> OperatorSettings {
     OperatorSettings {
         refinement: Refinement::Gather,
         sender_levels: 4,

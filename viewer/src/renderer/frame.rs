@@ -18,7 +18,7 @@ use rebounce_shared::lighting::Background;
 use wgpu::TextureFormat;
 
 impl Renderer {
-    /// Updates shadow maps and bounced light after changes of the lights. For a picture of this size with direct
+    /// Updates shadow maps and bounced light after changes of the lights, and of where nodes are. For a picture of this size with direct
     /// light, also updates the cascades after changes of the camera.
     pub(super) fn update_lights(
         &mut self,
@@ -27,6 +27,10 @@ impl Renderer {
         picture: Option<[u32; 2]>,
         mode: Mode,
     ) {
+        #[cfg(feature = "radiosity")]
+        if let Some(moving) = &scene.moving {
+            moving.upload(&self.gpu, &scene.upload);
+        }
         let parts = Parts { bounced: mode != Mode::Direct, from_sources: mode != Mode::Indirect };
         let is_other = scene.relight.has_sources() && self.parts != parts;
         if is_other {

@@ -53,15 +53,6 @@ const SKETCH: u32 = 2;
 /// Screen pixels across one pixel of the first picture of a scene, for a short delay.
 const FIRST_SKETCH: u32 = 4;
 
-/// Bytes on the GPU for bounced light.
-fn bytes_of_light(scene: &GpuScene) -> u64 {
-    #[cfg(feature = "radiosity")]
-    if let Some(moving) = &scene.moving {
-        return scene.relight.bytes() + moving.bytes();
-    }
-    scene.relight.bytes()
-}
-
 /// Parts of the frame to draw again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Dirty {
@@ -327,7 +318,7 @@ impl Renderer {
                 scene: scene.map_or(0, |s| s.upload.bytes()),
                 textures: scene.map_or(0, |s| s.materials.bytes())
                     + self.lit.sky.as_ref().map_or(0, |sky| sky.bytes()),
-                relight: scene.map_or(0, bytes_of_light),
+                relight: scene.map_or(0, GpuScene::light_bytes),
                 shadows: self.shadows.bytes(),
                 picture: self.target.as_ref().map_or(0, |t| t.bytes()),
             },

@@ -32,13 +32,12 @@ impl Default for Slice {
     }
 }
 
-/// What computes the bounced light of a scene by radiosity; `None` where links do.
+/// What computes the bounced light of a scene by radiosity, with its pipelines; `None` where links do.
 pub(super) fn solving<'a>(
     pipelines: &'a Pipelines,
     scene: &'a GpuScene,
 ) -> Option<(&'a Moving, &'a RadiosityPipelines)> {
-    let moving = scene.moving.as_ref().filter(|_| scene.relight.is_by_radiosity())?;
-    Some((moving, pipelines.radiosity.get()?))
+    Some((scene.by_radiosity()?, pipelines.radiosity.get()?))
 }
 
 impl Renderer {
@@ -46,9 +45,8 @@ impl Renderer {
         self.scene.as_ref()?.moving.as_ref()
     }
 
-    /// As [`Self::moving`], where bounced light is computed by radiosity.
     fn by_radiosity(&self) -> Option<&Moving> {
-        self.moving().filter(|_| self.scene.as_ref().is_some_and(|scene| scene.relight.is_by_radiosity()))
+        self.scene.as_ref()?.by_radiosity()
     }
 
     /// Chooses what computes bounced light, of this scene and of those after it.
@@ -59,8 +57,7 @@ impl Renderer {
 
     /// What computes bounced light now: `operator` or `radiosity`.
     pub fn solver_in_use(&self) -> &'static str {
-        let is_by_radiosity = self.scene.as_ref().is_some_and(|scene| scene.relight.is_by_radiosity());
-        if is_by_radiosity { SolverChoice::Radiosity.name() } else { SolverChoice::Operator.name() }
+        self.by_radiosity().map_or(SolverChoice::Operator, |_| SolverChoice::Radiosity).name()
     }
 
     /// Lets the scene follow the choice of a solver, and where its nodes are.
@@ -107,7 +104,7 @@ impl Renderer {
         if moving.nodes() == motions {
             return Ok(());
         }
-        moving.place(&self.gpu, &scene.upload, motions);
+        moving.place(&scene.upload, motions);
         self.follow_solver();
         self.shadows.forget();
         self.still.forget();

@@ -106,6 +106,21 @@ impl GpuScene {
         self.relight.is_solved().then_some(&self.meta.lights)
     }
 
+    /// Nodes that move, where radiosity computes bounced light.
+    #[cfg(feature = "radiosity")]
+    pub fn by_radiosity(&self) -> Option<&Moving> {
+        self.moving.as_ref().filter(|_| self.relight.is_by_radiosity())
+    }
+
+    /// Bytes on the GPU for bounced light.
+    pub fn light_bytes(&self) -> u64 {
+        #[cfg(feature = "radiosity")]
+        let more = self.moving.as_ref().map_or(0, Moving::bytes);
+        #[cfg(not(feature = "radiosity"))]
+        let more = 0;
+        self.relight.bytes() + more
+    }
+
     /// Uploads a scene; asynchronous, as textures are decoded meanwhile.
     ///
     /// # Errors

@@ -28,6 +28,8 @@ pub struct Moving {
     solver: RefCell<Radiosity>,
     /// The light or a node has changed since the solution began.
     is_stale: Cell<bool>,
+    /// Nodes have moved since their motions were uploaded.
+    is_unplaced: Cell<bool>,
     own: Scope,
 }
 
@@ -103,7 +105,8 @@ impl Moving {
         };
         let nodes = RefCell::new(vec![NodeMotion::default(); file.groups.nodes.len()]);
         let middles = middles(scene);
-        Ok(Self { file, nodes, middles, solver: solver.into(), is_stale: true.into(), own })
+        let (is_stale, is_unplaced) = (true.into(), false.into());
+        Ok(Self { file, nodes, middles, solver: solver.into(), is_stale, is_unplaced, own })
     }
 
     /// Whether a node is elsewhere than the file has it.
@@ -142,20 +145,33 @@ impl Moving {
         placed.map(place).collect()
     }
 
-    /// Puts the nodes where `motions` have them: pictures, points, rays.
-    pub fn place(&self, gpu: &Gpu, upload: &Upload, motions: &[NodeMotion]) {
-        let groups = &self.file.groups;
+    /// Puts the nodes where `motions` have them, for rays on the CPU. Pictures and points follow with [`Self::upload`]: a script,
+    /// an animation or a hand may set several nodes before the next picture.
+    pub fn place(&self, upload: &Upload, motions: &[NodeMotion]) {
         self.nodes.borrow_mut().iter_mut().zip(motions).for_each(|(node, motion)| *node = *motion);
-        let motions = Motions::new(groups, &self.nodes.borrow(), self.file.meta.origin);
+        upload.triangles.set_instances(&self.file.moved_instances(&self.motions()));
+        self.is_stale.set(true);
+        self.is_unplaced.set(true);
+    }
+
+    /// Uploads where the nodes are, if they have moved: pictures, points, and what ends supports around them.
+    pub fn upload(&self, gpu: &Gpu, upload: &Upload) {
+        if !self.is_unplaced.take() {
+            return;
+        }
+        let motions = self.motions();
         let instances = self.file.moved_instances(&motions);
         let offset = size_of::<Instance>() as u64;
         gpu.queue.write_buffer(&upload.instances, offset, bytemuck::cast_slice(&instances));
-        upload.triangles.set_instances(&instances);
         let of_group = |group: u32| Instance::from(&motions.of(group).rest_from_local);
-        let rest: Vec<Instance> = (0..=groups.groups.len() as u32).map(of_group).collect();
+        let rest: Vec<Instance> = (0..=self.file.groups.groups.len() as u32).map(of_group).collect();
         gpu.queue.write_buffer(&upload.rest, 0, bytemuck::cast_slice(&rest));
         self.solver.borrow().place(gpu, upload, &self.file, &motions);
-        self.is_stale.set(true);
+    }
+
+    /// Motions of the groups.
+    fn motions(&self) -> Motions {
+        Motions::new(&self.file.groups, &self.nodes.borrow(), self.file.meta.origin)
     }
 
     /// Notes that the direct light at the points has changed.

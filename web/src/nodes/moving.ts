@@ -22,11 +22,6 @@ export class Moving implements AnimatedNodes {
     return nodesOf(this.#viewer);
   }
 
-  /** Whether bounced light is on its way to what lights and nodes are now. */
-  get solving(): boolean {
-    return this.#viewer.solving;
-  }
-
   /** The present motions, as a shot has them; nothing where nothing has moved. */
   get moves(): Record<string, NodeMove> | undefined {
     const moves = movesIn(this.#viewer);
