@@ -98,7 +98,7 @@ impl Relations {
         Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
     }
 
-    /// Adds the pull rows: the push rows transposed and [sharpened](sharpened).
+    /// Adds the pull rows: the push rows transposed and [sharpened].
     fn add_children(&mut self, parents: usize, children: usize) {
         let mut next = vec![0u32; parents + 1];
         for entry in (0..children).flat_map(|j| self.push().row(j)) {
