@@ -1,15 +1,17 @@
-//! Touching reconstruction groups: a function of one gives nothing to the other.
+//! Reconstruction groups: a function of one gives nothing to another that it touches; bodies that may move have points on
+//! all that can be seen of them.
 
-use glam::{DVec3, Vec3, dvec3};
+use glam::{DAffine3, DVec3, Vec3, dvec3};
 use rebounce::bake::{BakeSettings, BakeSolver, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::scene::Scene;
 use rebounce::scene::groups::{MaterialGroup, NodeGroups, assign};
-use rebounce::scene::world_mesh::WorldMesh;
+use rebounce::scene::world_mesh::{WorldInstancedMesh, WorldMesh};
 use rebounce::verify::render::Relit;
 use rebounce_shared::light::Light;
+use rebounce_shared::rbn::groups::{Group, Node};
 use rebounce_shared::rbn::meta::Material;
 
 /// Folds of the curtain, and its middle's greatest distance from x = 0.
@@ -115,5 +117,87 @@ fn a_group_that_touches_a_lit_one_in_the_dark_is_black() {
         assert!(grouped <= 1e-6, "{solver:?}: {grouped}");
         // The zigzag keeps functions of one floor from being cut off by planes.
         assert!(alone > 2e-3, "{solver:?}: {alone}");
+    }
+}
+
+/// A room with a two-sided box of the given height that may move, 40 cm wide; without a lid if it `is_open`.
+fn with_box(height: f64, is_open: bool) -> Scene {
+    let mut mesh = WorldMesh::default();
+    let corner = |low: DVec3, high: DVec3, i: usize| {
+        dvec3([low.x, high.x][i & 1], [low.y, high.y][i >> 1 & 1], [low.z, high.z][i >> 2])
+    };
+    let faces = [
+        ([0, 1, 5, 4], DVec3::Y),
+        ([2, 3, 7, 6], DVec3::NEG_Y),
+        ([0, 2, 6, 4], DVec3::X),
+        ([1, 3, 7, 5], DVec3::NEG_X),
+        ([0, 1, 3, 2], DVec3::Z),
+        ([4, 5, 7, 6], DVec3::NEG_Z),
+    ];
+    for (face, inward) in faces {
+        let at = face.map(|i| corner(dvec3(-1.5, 0.0, -1.5), dvec3(1.5, HEIGHT, 1.5), i));
+        quad(&mut mesh, at, inward, 0);
+    }
+    let mut body = WorldMesh::default();
+    for (face, inward) in faces.into_iter().filter(|(_, inward)| !is_open || *inward != DVec3::NEG_Y) {
+        let at = face.map(|i| corner(dvec3(-0.2, 0.0, -0.2), dvec3(0.2, height, 0.2), i));
+        quad(&mut body, at, -inward, 1);
+    }
+    let place = dvec3(0.0, 0.5, 0.0);
+    mesh.in_models = (body.positions.len(), body.triangles.len());
+    mesh.models.push(WorldInstancedMesh {
+        mesh: body,
+        world_from_model: vec![DAffine3::from_translation(place)],
+        group: 1,
+    });
+    let name = || "box".to_owned();
+    let nodes = NodeGroups {
+        nodes: vec![Node { name: name(), parent: None, origin: place.to_array() }],
+        groups: vec![Group { name: name(), density: 1.0, node: Some(0) }],
+        pivots: vec![place],
+    };
+    let matt = |double_sided: bool| Material {
+        base_color: [0.6, 0.6, 0.6, 1.0],
+        double_sided,
+        ..Material::default()
+    };
+    let position = [0.8, 1.8, 0.8];
+    let mut scene = Scene {
+        name: "with a box".to_owned(),
+        materials: vec![matt(false), matt(true)],
+        lights: vec![Light::Point { position, intensity: 20.0, color: [1.0; 3], radius: 0.0 }],
+        ..Scene::default()
+    };
+    assign(&mut scene, &mut mesh, nodes, &[]);
+    mesh.finish(&mut scene);
+    scene
+}
+
+#[test]
+fn a_closed_body_has_no_points_within_and_an_open_one_has() {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    settings.place.functions = 4000;
+    settings.solver = BakeSolver::Radiosity;
+    settings.viewpoints = vec![[-1.0, 1.0, -1.0]];
+    // A plate thinner than any support is high, and a box.
+    for height in [0.01, 0.3] {
+        for is_open in [false, true] {
+            let scene = with_box(height, is_open);
+            let (file, _) = bake(&scene, &settings.clone().normalised(), &()).unwrap();
+            let middle = (dvec3(0.0, 0.5 + 0.5 * height, 0.0) - DVec3::from(scene.origin)).as_vec3();
+            let all: Vec<usize> = (0..file.points.len()).filter(|i| file.group_of(*i) == 1).collect();
+            let outward = |i: &usize| (file.points[*i].position() - middle).dot(file.points[*i].normal());
+            let within = all.iter().filter(|i| outward(i) < 0.0).count();
+            assert_eq!(within > 0, is_open, "{within} of {} within {height}", all.len());
+            let sides = [Vec3::X, Vec3::NEG_X, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+            for side in sides {
+                let is_there = |i: &usize| file.points[*i].normal().dot(side) > 0.9 && outward(i) > 0.0;
+                assert!(all.iter().any(is_there), "{side} of {height}");
+            }
+            // Edges of a plate are narrower than a support; they reflect as the rest does.
+            for i in all {
+                assert!((file.albedo(i).x - 0.6).abs() < 0.01, "{}", file.albedo(i));
+            }
+        }
     }
 }

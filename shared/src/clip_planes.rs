@@ -70,11 +70,11 @@ pub fn clip_planes(surfaces: &(impl Surroundings + ?Sized), point: &SupportedPoi
     let margin = MARGIN * radius + epsilon;
     let floor = point.position + point.geometric_normal * epsilon;
     let mut cuts = Vec::new();
-    // Straight up, to the top of the support: a lid ends the support everywhere.
+    // Straight up, to the top of the support: a lid ends the support everywhere, its upper side included.
     let height = radius / (1.0 + SQUASH);
     let lid = surfaces.cast(floor, normal, height, seed);
     if let Some(lid) = &lid {
-        cuts.push(Cut::new(normal, lid.distance + margin));
+        cuts.push(Cut::new(normal, (lid.distance - margin).max(0.5 * lid.distance)));
     }
     if let Some(distance) = behind(surfaces, point, seed) {
         cuts.push(Cut::new(-normal, distance + margin));

@@ -108,6 +108,23 @@ pub trait Surfaces: Sync {
     /// the colour channels, as probability. Only `seed` decides: an equal ray and seed give an equal hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
+    /// Returns the nearest hit with a surface of a reconstruction group. `None` past more than `most` surfaces of others.
+    fn cast_group(&self, mut ray: Ray, group: u32, most: u32, seed: u32) -> Option<Hit> {
+        for _ in 0..=most {
+            let hit = self.cast(&ray, seed)?;
+            if hit.group == group {
+                return Some(hit);
+            }
+            let passed = hit.distance + self.epsilon_at(hit.position);
+            ray.origin += passed * ray.direction;
+            ray.max_distance -= passed;
+            if ray.max_distance <= 0.0 {
+                break;
+            }
+        }
+        None
+    }
+
     /// Returns the nearest hit of a camera ray: backs of one-sided surfaces are culled, as in glTF. For light, backs
     /// are opaque, so only rays from an eye or a viewpoint use this function. Without a nearer back, the hit equals
     /// the hit of [`Self::cast`].

@@ -4,7 +4,7 @@
 //! * [`viewpoint`] – search for viewpoints; [`locate`] – search for an [`emitter`]: viewpoints, and whether the scene
 //!   is open;
 //! * [`focus`] – local disk radii;
-//! * `objects` – points on objects that may move;
+//! * `objects` – points on objects that may move, but for their `interior`;
 //! * [`mod@place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
 //!   distribution; [`fill`] – filling of the remaining gaps;
 //! * [`round`] – rounding to the file's precision;
@@ -18,6 +18,7 @@ pub mod emitter;
 mod fill;
 mod focus;
 mod footprint;
+mod interior;
 mod locate;
 mod objects;
 mod openness;

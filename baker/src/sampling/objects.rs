@@ -1,15 +1,16 @@
 //! Points on objects that may move, after Schäfer et al. 2011, *Meshless Radiosity on the GPU*: candidates spread evenly over
-//! all of an object's surface.
+//! all of an object's surface, but for its [interior](super::interior).
 //!
 //! Importance particles find the surfaces that light can reach where things stand now; the foot of a statue is on none of
 //! their ways, and is seen as soon as the statue is lifted. Large groups, such as the walls of a room, keep the particles:
 //! most of what their nodes hold is never seen.
 
 use super::SurfacePoint;
+use super::interior::Interior;
 use super::patience::{Patience, SHARES};
 use super::place_settings::PlaceSettings;
 use super::poisson_disk::DartBoard;
-use crate::geometry::{Hit, Primitives, SurfaceCoordinates, Surfaces};
+use crate::geometry::{Hit, Primitives, SurfaceCoordinates, SurfaceSample, Surfaces};
 use crate::random::Stream;
 use crate::scene::union;
 use glam::{Vec2, Vec3};
@@ -17,13 +18,24 @@ use glam::{Vec2, Vec3};
 /// Greatest diagonal of an object, as a share of the scene's main part.
 const OBJECT: f32 = 0.5;
 
-/// Primitives of a group that may move.
+/// A side of a primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// Number of the primitive.
+    pub primitive: u32,
+    /// Whether it is the back.
+    pub is_back: bool,
+    /// Twice the area, scene units squared.
+    pub area: f32,
+}
+
+/// Surface of a group that may move.
 #[derive(Debug, Default)]
 pub(super) struct Object {
     /// Reconstruction group.
     pub group: u32,
-    /// Numbers of the primitives, and the sum of their areas up to and with each; both sides count.
-    primitives: Vec<(u32, f32)>,
+    /// Sides of its primitives that can be seen from elsewhere, and the sum of the areas up to and with each.
+    sides: Vec<(Side, f32)>,
 }
 
 /// Objects of a scene.
@@ -35,6 +47,18 @@ pub(super) struct Objects {
     pub has_others: bool,
 }
 
+/// A place of a side, and the unit normal of the true surface there, on that side.
+pub(super) fn place(primitives: &dyn Primitives, side: &Side, stream: &mut Stream) -> (SurfaceSample, Vec3) {
+    let square = stream.square();
+    let at = if square.element_sum() > 1.0 { 1.0 - square } else { square };
+    let (primitive, is_back) = (side.primitive, side.is_back);
+    let spot = primitives.spot(SurfaceCoordinates { primitive, at, is_back }, 0.0);
+    let [a, b, c] = corners(primitives, primitive);
+    let across = (b - a).cross(c - a).normalize_or_zero();
+    let geometric_normal = if across.dot(spot.normal) < 0.0 { -across } else { across };
+    (spot, geometric_normal)
+}
+
 /// The corners of a primitive's front, at its [coordinates](SurfaceCoordinates::at).
 fn corners(primitives: &dyn Primitives, primitive: u32) -> [Vec3; 3] {
     [Vec2::ZERO, Vec2::X, Vec2::Y]
@@ -42,39 +66,59 @@ fn corners(primitives: &dyn Primitives, primitive: u32) -> [Vec3; 3] {
 }
 
 impl Objects {
-    /// Finds the objects: groups that may move and are small beside the scene.
-    pub fn new<S: Surfaces + ?Sized>(surfaces: &S, settings: &PlaceSettings) -> Self {
+    /// Finds the objects: groups that may move and are small beside the scene. `finest` is the disk radius of the finest
+    /// level.
+    pub fn new<S: Surfaces + ?Sized>(
+        surfaces: &S,
+        viewpoints: &[Vec3],
+        settings: &PlaceSettings,
+        finest: f32,
+    ) -> Self {
         let groups = &settings.groups;
         let primitives = surfaces.primitives().filter(|_| groups.iter().any(|group| group.moves));
         let Some(primitives) = primitives else { return Self { all: Vec::new(), has_others: true } };
-        let mut all: Vec<(Object, Option<(Vec3, Vec3)>)> =
+        let mut all: Vec<(Vec<Side>, Option<(Vec3, Vec3)>)> =
             groups.iter().map(|_| Default::default()).collect();
         for primitive in 0..primitives.count() as u32 {
             let middle = SurfaceCoordinates { primitive, at: Vec2::splat(1.0 / 3.0), is_back: false };
             let group = primitives.spot(middle, 0.0).group;
-            let Some((object, bounds)) = all.get_mut(group as usize) else { continue };
+            let Some((sides, bounds)) = all.get_mut(group as usize) else { continue };
             let [a, b, c] = corners(primitives, primitive);
-            let area = (b - a).cross(c - a).length()
-                * if primitives.primitive(primitive).has_back { 2.0 } else { 1.0 };
-            let before = object.primitives.last().map_or(0.0, |(_, sum)| *sum);
-            object.group = group;
-            object.primitives.push((primitive, before + area));
+            let area = (b - a).cross(c - a).length();
+            let has_back = primitives.primitive(primitive).has_back;
+            let both = [false, true].into_iter().take(1 + usize::from(has_back));
+            sides.extend(both.map(|is_back| Side { primitive, is_back, area }));
             let own = (a.min(b).min(c), a.max(b).max(c));
             *bounds = Some(bounds.map_or(own, |bounds| union(bounds, own)));
         }
         let (low, high) = surfaces.main_part();
         let largest = OBJECT * (high - low).length();
-        let is_object = |(object, bounds): &(Object, Option<(Vec3, Vec3)>)| {
-            groups[object.group as usize].moves
-                && bounds.is_some_and(|(low, high)| (high - low).length() <= largest)
-        };
-        let (objects, others): (Vec<_>, Vec<_>) =
-            all.into_iter().filter(|(object, _)| !object.primitives.is_empty()).partition(is_object);
-        Self { all: objects.into_iter().map(|(object, _)| object).collect(), has_others: !others.is_empty() }
+        let mut out = Self::default();
+        for (group, (sides, bounds)) in all.into_iter().enumerate() {
+            let Some((low, high)) = bounds else { continue };
+            let reach = (high - low).length();
+            if !groups[group].moves || reach > largest {
+                out.has_others = true;
+                continue;
+            }
+            let group = group as u32;
+            let disk = finest * groups[group as usize].density.sqrt().recip();
+            let interior = Interior { surfaces, primitives, group, reach, disk, seed: settings.seed };
+            out.all.push(Object::new(group, interior.without(sides, viewpoints)));
+        }
+        out
     }
 }
 
 impl Object {
+    fn new(group: u32, sides: Vec<Side>) -> Self {
+        let sum = |sum: &mut f32, side: Side| {
+            *sum += side.area;
+            Some((side, *sum))
+        };
+        Self { group, sides: sides.into_iter().scan(0.0, sum).collect() }
+    }
+
     /// Throws candidates on all of the surface, where they are `needed`, until no more fit.
     pub fn thrown<S: Surfaces + ?Sized>(
         &self,
@@ -110,20 +154,12 @@ impl Object {
         primitives: &dyn Primitives,
         stream: &mut Stream,
     ) -> Option<SurfacePoint> {
-        let whole = self.primitives.last()?.1;
-        let wanted = stream.unit() * whole;
-        let place = self.primitives.partition_point(|(_, sum)| *sum <= wanted).min(self.primitives.len() - 1);
-        let primitive = self.primitives[place].0;
-        let square = stream.square();
-        let at = if square.element_sum() > 1.0 { 1.0 - square } else { square };
-        let is_back = primitives.primitive(primitive).has_back && stream.unit() < 0.5;
-        let spot = primitives.spot(SurfaceCoordinates { primitive, at, is_back }, 0.0);
+        let wanted = stream.unit() * self.sides.last()?.1;
+        let at = self.sides.partition_point(|(_, sum)| *sum <= wanted).min(self.sides.len() - 1);
+        let (spot, geometric_normal) = place(primitives, &self.sides[at].0, stream);
         if stream.unit() >= spot.opacity {
             return None;
         }
-        let [a, b, c] = corners(primitives, primitive);
-        let across = (b - a).cross(c - a).normalize_or_zero();
-        let geometric_normal = if across.dot(spot.normal) < 0.0 { -across } else { across };
         let hit = Hit {
             distance: 0.0,
             position: spot.position,

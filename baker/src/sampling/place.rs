@@ -136,7 +136,9 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                 (source, pool) = (around, places);
             }
         }
-        let Objects { all: objects, has_others } = Objects::new(surfaces, settings);
+        let finest = coarse_radius / (1u64 << (levels - 1)) as f32;
+        let Objects { all: objects, has_others } =
+            Objects::new(surfaces, &emitter.viewpoints, settings, finest);
         let points = Points { scales: settings.scales(), ..Points::default() };
         Ok(Self {
             surfaces,

@@ -87,13 +87,16 @@ impl Renderer {
         self.moving().map_or(Vec::new(), Moving::nodes)
     }
 
-    /// Moves the nodes that may move, in the order of their names.
+    /// Moves the nodes that may move, in the order of their names; no motion is what a file without such nodes takes.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for a motion that is none; nothing moves then.
     pub fn move_nodes(&mut self, motions: &[NodeMotion]) -> Result<(), ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         let Some(moving) = &scene.moving else {
+            if motions.is_empty() {
+                return Ok(());
+            }
             return Err(ViewerError::BadArgument(
                 "nothing of this file can move: bake it with --group NODE or --solver radiosity".into(),
             ));

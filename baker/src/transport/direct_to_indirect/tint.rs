@@ -3,7 +3,7 @@
 //! A link holds the brightness of a sender as seen by a receiver, a single amount for all channels;
 //! the colour is the sender's tint. Radiosity, which has no links, takes the amount from the point.
 
-use crate::geometry::{Hit, Ray, Surfaces};
+use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
 use crate::sampling::Points;
 use glam::{Vec3, Vec3A};
@@ -16,6 +16,8 @@ use rebounce_shared::kernel::weight;
 const RAYS: [usize; 2] = [8, 64];
 /// Height of the ray origins above the surface, in support radii.
 const ABOVE: f32 = 0.1;
+/// Height of the ray at the point itself, in safe offsets.
+const NEAR: f32 = 4.0;
 /// Surfaces of other groups that may stand before a point's, within [`ABOVE`].
 const MOST_BEFORE: u32 = 4;
 /// Mantissas are multiples of this unit: a channel is exact within a 256th of the largest channel.
@@ -68,7 +70,7 @@ pub fn duals(tints: &[u32]) -> Vec<Vec3A> {
 }
 
 /// Sum of reflectances around a point, weighted by the point's function, and of the weights; zero if no
-/// surface reflects.
+/// surface reflects. Of a surface that every ray misses, such as the edge of a board, the reflectance at the point.
 fn albedo_sum<S: Surfaces + ?Sized>(
     surfaces: &S,
     points: &Points,
@@ -89,7 +91,8 @@ fn albedo_sum<S: Surfaces + ?Sized>(
         let along = (first * angle.cosine() + second * angle.sine()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
         let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
-        if let Some(hit) = of_group(surfaces, down, point.group, stream.bits() as u32)
+        // What stands before the surface is another group's, and may move away.
+        if let Some(hit) = surfaces.cast_group(down, point.group, MOST_BEFORE, stream.bits() as u32)
             && hit.faces(down.direction)
         {
             let offset = hit.position - point.position;
@@ -100,24 +103,15 @@ fn albedo_sum<S: Surfaces + ?Sized>(
             }
         }
     }
-    (sum, total)
-}
-
-/// The nearest hit with a surface of a reconstruction group: what stands before it is another group's, and may move away.
-fn of_group<S: Surfaces + ?Sized>(surfaces: &S, mut ray: Ray, group: u32, seed: u32) -> Option<Hit> {
-    for _ in 0..=MOST_BEFORE {
-        let hit = surfaces.cast(&ray, seed)?;
-        if hit.group == group {
-            return Some(hit);
-        }
-        let passed = hit.distance + surfaces.epsilon_at(hit.position);
-        ray.origin += passed * ray.direction;
-        ray.max_distance -= passed;
-        if ray.max_distance <= 0.0 {
-            break;
-        }
+    if total == 0.0 {
+        let height = NEAR * surfaces.epsilon_at(point.position);
+        let origin = point.position + height * point.geometric_normal;
+        let down =
+            Ray { origin, direction: -point.geometric_normal, max_distance: 2.0 * height, spread: 0.0 };
+        let hit = surfaces.cast_group(down, point.group, MOST_BEFORE, stream.bits() as u32);
+        return hit.filter(|hit| hit.faces(down.direction)).map_or((sum, total), |hit| (hit.albedo, 1.0));
     }
-    None
+    (sum, total)
 }
 
 #[cfg(test)]
