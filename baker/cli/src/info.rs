@@ -9,6 +9,7 @@ use rebounce_shared::light::{KINDS, Light};
 use rebounce_shared::rbn::container::{self, Section};
 use rebounce_shared::rbn::groups::{Group, Node};
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
+use rebounce_shared::rbn::node_tracks::NodeAnimation;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
@@ -98,6 +99,7 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     out["by_radiosity"] = scene.is_unlinked().into();
     out["groups"] = groups_with_points(scene).map(group_json).collect();
     out["nodes"] = scene.groups.nodes.iter().map(node_json).collect();
+    out["node_animations"] = scene.groups.animations.iter().map(animation_json).collect();
     out
 }
 
@@ -107,6 +109,15 @@ fn group_json((group, points): (&Group, usize)) -> Value {
 
 fn node_json(node: &Node) -> Value {
     json!({ "name": node.name, "parent": node.parent, "origin": node.origin })
+}
+
+fn animation_json(animation: &NodeAnimation) -> Value {
+    json!({
+        "name": animation.name, "seconds": animation.duration,
+        "tracks": animation.tracks.iter().map(|track| json!({
+            "node": track.node, "property": track.property.name(), "keys": track.times.len(),
+        })).collect::<Vec<_>>(),
+    })
 }
 
 /// The reconstruction groups besides group 0, with their numbers of points.
@@ -232,6 +243,13 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         line(
             if i == 0 { "groups" } else { "" },
             format!("{:?}, {points} points, density {}{moves}", group.name, group.density),
+        );
+    }
+    for (i, animation) in scene.groups.animations.iter().enumerate() {
+        let NodeAnimation { name, duration, tracks } = animation;
+        line(
+            if i == 0 { "keyframes" } else { "" },
+            format!("{name:?}, {duration} s, {} tracks of nodes", tracks.len()),
         );
     }
     line("sections", String::new());

@@ -77,12 +77,15 @@ impl Objects {
         let groups = &settings.groups;
         let primitives = surfaces.primitives().filter(|_| groups.iter().any(|group| group.moves));
         let Some(primitives) = primitives else { return Self { all: Vec::new(), has_others: true } };
-        let mut all: Vec<(Vec<Side>, Option<(Vec3, Vec3)>)> =
-            groups.iter().map(|_| Default::default()).collect();
+        let mut sides: Vec<Vec<Side>> = vec![Vec::new(); groups.len()];
+        let mut bounds: Vec<Option<(Vec3, Vec3)>> = vec![None; groups.len()];
         for primitive in 0..primitives.count() as u32 {
             let middle = SurfaceCoordinates { primitive, at: Vec2::splat(1.0 / 3.0), is_back: false };
             let group = primitives.spot(middle, 0.0).group;
-            let Some((sides, bounds)) = all.get_mut(group as usize) else { continue };
+            let (Some(sides), Some(bounds)) = (sides.get_mut(group as usize), bounds.get_mut(group as usize))
+            else {
+                continue;
+            };
             let [a, b, c] = corners(primitives, primitive);
             let area = (b - a).cross(c - a).length();
             let has_back = primitives.primitive(primitive).has_back;
@@ -94,7 +97,7 @@ impl Objects {
         let (low, high) = surfaces.main_part();
         let largest = OBJECT * (high - low).length();
         let mut out = Self::default();
-        for (group, (sides, bounds)) in all.into_iter().enumerate() {
+        for (group, (sides, bounds)) in sides.into_iter().zip(bounds).enumerate() {
             let Some((low, high)) = bounds else { continue };
             let reach = (high - low).length();
             if !groups[group].moves || reach > largest {

@@ -10,9 +10,9 @@ const prefix = ({ id }: Element) => (id && `${id}.`);
 export function stateLink(element: RebounceViewer): string {
   const settings: Record<string, string> = {};
   for (const name of LINK_SETTINGS) settings[name] = element.getAttribute(name) ?? "";
-  const { camera, lights, mix } = element;
+  const { camera, lights, mix, shot } = element;
   const url = new URL(element.ownerDocument.URL);
-  url.hash = stateHash({ ...(camera && { camera }), lights, mix, settings }, prefix(element));
+  url.hash = stateHash({ ...(camera && { camera }), lights, mix, ...(shot?.move && { move: shot.move }), settings }, prefix(element));
   return url.href;
 }
 
@@ -22,6 +22,8 @@ export function restoreState(element: RebounceViewer, link: string): boolean {
   if (!state) return false;
   if (state.camera) element.camera = state.camera;
   if (state.lights) Object.assign(element, { lights: state.lights, mix: state.mix ?? [] });
+  const { nodes } = element;
+  for (const name in nodes) Object.assign(nodes[name]!, { translation: [0, 0, 0], rotation: [0, 0, 0, 1], ...state.move[name] });
   for (const name of LINK_SETTINGS) {
     const value = state.settings[name];
     if (value) element.setAttribute(name, value);

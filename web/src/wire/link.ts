@@ -1,19 +1,21 @@
 /**
  * Camera, lights and settings as the hash of a link, to be read by people too:
  * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1,Name&exposure=1`. A light's radius, where it has one, is
- * beside its kind: `light=point*0.1,…`.
+ * beside its kind: `light=point*0.1,…`. A node that has moved: `node=` translation, rotation, name.
  */
 
-import { Failure } from "./failure.js";
+import { wrong } from "./check.js";
 import { type Field, KINDS, SIZE } from "./light-kinds.js";
 import { mixOf, mixText } from "./mix.js";
-import type { Camera, Channel, Light, Triple } from "./shot.js";
+import type { Camera, Channel, Light, NodeMove, Quaternion, Triple } from "./shot.js";
 
 /** What a link says. */
 export interface LinkState {
   camera?: Camera;
   lights?: Light[];
   mix?: Channel[];
+  /** Nodes that are elsewhere than the file has them, each with `translation` and `rotation`. */
+  move: Record<string, NodeMove>;
   /** Attributes of the element, by name; empty for their default. */
   settings: Record<string, string>;
 }
@@ -36,7 +38,7 @@ const isSize = ({ at }: Field) => at === SIZE;
 const short = (x: number) => String(Math.abs(x) < 1e-9 ? 0 : Number(x.toPrecision(5)));
 
 /** The hash, without `#`. `prefix` stands before each name, for pages of several elements. */
-export function stateHash({ camera, lights = [], mix = [], settings }: LinkState, prefix = ""): string {
+export function stateHash({ camera, lights = [], mix = [], move = {}, settings }: Partial<LinkState> & Pick<LinkState, "settings">, prefix = ""): string {
   const parts: string[] = [];
   if (camera) {
     const { position, target, up = [0, 1, 0], yfov_deg = 60 } = camera;
@@ -54,6 +56,9 @@ export function stateHash({ camera, lights = [], mix = [], settings }: LinkState
     parts.push(`light=${[type, ...numbers.map(short), ...name]}`);
   }
   if (camera && lights.length === 0) parts.push("light=none");
+  for (const [name, { translation = [], rotation = [] }] of Object.entries(move)) {
+    parts.push(`node=${[...translation, ...rotation].map(short)},${encodeURIComponent(name)}`);
+  }
   if (mix.length) parts.push(`mix=${mixText(mix, short)}`);
   for (const [name, value] of Object.entries(settings)) {
     if (value) parts.push(`${name}=${encodeURIComponent(value)}`);
@@ -63,10 +68,10 @@ export function stateHash({ camera, lights = [], mix = [], settings }: LinkState
 
 /**
  * Reads a hash, with or without `#`; nothing where it holds no camera and no light under this prefix.
- * Throws a `Failure` with the code `bad-json` where it is damaged.
+ * Throws `bad-json` where it is damaged.
  */
 export function readState(hash: string, prefix = ""): LinkState | undefined {
-  const state: LinkState = { settings: {} };
+  const state: LinkState = { move: {}, settings: {} };
   for (const [key, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
     if (!key.startsWith(prefix)) continue;
     const name = key.slice(prefix.length);
@@ -76,6 +81,10 @@ export function readState(hash: string, prefix = ""): LinkState | undefined {
     } else if (name === "light") {
       state.lights ??= [];
       if (value !== "none") state.lights.push(light(value));
+    } else if (name === "node") {
+      const texts = value.split(",");
+      const n = numbers(texts.splice(0, 7), 7, name);
+      state.move[texts.join()] = { translation: triple(n, 0), rotation: n.slice(3) as Quaternion };
     } else if (name === "mix") state.mix = mixOf(value);
     else if ((LINK_SETTINGS as readonly string[]).includes(name)) state.settings[name] = value;
   }
@@ -85,7 +94,7 @@ export function readState(hash: string, prefix = ""): LinkState | undefined {
 function light(value: string): Light {
   const [kind = "", ...texts] = value.split(",");
   const [type = "", size] = kind.split("*");
-  if (!Object.hasOwn(KINDS, type)) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
+  if (!Object.hasOwn(KINDS, type)) throw wrong("light", `the link holds “${type}”; copy it once more`);
   const { size: sized, fields } = form(type as Light["type"]);
   const count = fields.reduce((sum, { width }) => sum + width, 0);
   const n = numbers(texts.slice(0, count), count, "light");
@@ -105,7 +114,7 @@ const triple = (n: number[], at: number) => n.slice(at, at + 3) as Triple;
 function numbers(texts: string[], count: number, what: string): number[] {
   const found = texts.map((text) => (text.trim() ? Number(text) : NaN));
   if (found.length !== count || !found.every(Number.isFinite)) {
-    throw new Failure("bad-json", `The link's ${what} must be ${count} numbers; it is cut short or damaged, copy it once more.`);
+    throw wrong(what, "the link is damaged; copy it once more");
   }
   return found;
 }

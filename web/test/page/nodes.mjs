@@ -178,6 +178,21 @@ export async function nodes(harness, context) {
     await page.evaluate(() => viewer.undo());
   });
 
+  await harness.test("nodes::a_link_brings_what_has_moved_and_puts_back_what_has_not", async () => {
+    const found = await page.evaluate(() => {
+      const rest = viewer.stateLink();
+      Object.assign(viewer.nodes.block, { translation: [0.25, 0, -0.5], rotation: [0, 1, 0, 0] });
+      const moved = viewer.stateLink();
+      viewer.restoreState(rest);
+      const { translation } = viewer.nodes.block;
+      viewer.restoreState(moved);
+      const block = [...viewer.nodes.block.translation, ...viewer.nodes.block.rotation];
+      viewer.restoreState(rest);
+      return { rest: rest.includes("node="), moved: moved.includes("&node=0.25,0,-0.5,0,1,0,0,block"), translation, block };
+    });
+    same(found, { rest: false, moved: true, translation: [0, 0, 0], block: [0.25, 0, -0.5, 0, 1, 0, 0] }, "links");
+  });
+
   await harness.test("nodes::keyframes_of_nodes_play_and_a_hand_stops_them", async () => {
     same(await page.evaluate(() => viewer.animations.map(({ name, duration, tracks }) => [name, duration, tracks.map(({ node, property }) => [node, property])])), [["slide", 2, [["block", "translation"], ["block", "rotation"]]]], "the file's");
     const half = await page.evaluate(() => {
