@@ -54,7 +54,7 @@ impl Default for RadiositySettings {
             senders_above: 0,
             bounces_above: 1,
             epsilon: 0.1,
-            significance: 0.0,
+            significance: 0.25,
             reconstruction: Reconstruction::default(),
             passes: Passes::default(),
         }
