@@ -4,7 +4,7 @@
 //! lies millimetres below: points there would darken the light of the top. A side is interior if hardly a ray that leaves it
 //! passes the object. Other groups do not count as obstacles: they may move away.
 
-use super::objects::{Side, place};
+use super::object_side::{ObjectSide, place};
 use crate::geometry::{Primitives, Ray, Surfaces};
 use crate::random::Stream;
 use glam::Vec3;
@@ -37,7 +37,7 @@ pub(super) struct Interior<'a, S: ?Sized> {
 
 impl<S: Surfaces + ?Sized> Interior<'_, S> {
     /// Returns the sides that are not interior; all of them if a viewpoint is within the object.
-    pub fn without(&self, sides: Vec<Side>, viewpoints: &[Vec3]) -> Vec<Side> {
+    pub fn without(&self, sides: Vec<ObjectSide>, viewpoints: &[Vec3]) -> Vec<ObjectSide> {
         if viewpoints.iter().any(|viewpoint| self.holds(*viewpoint)) {
             return sides;
         }
@@ -45,7 +45,7 @@ impl<S: Surfaces + ?Sized> Interior<'_, S> {
     }
 
     /// Whether a side is interior.
-    fn has(&self, side: &Side) -> bool {
+    fn has(&self, side: &ObjectSide) -> bool {
         let number = u64::from(side.primitive) << 1 | u64::from(side.is_back);
         let mut stream = Stream::new(self.seed ^ 0x696e_7465, number);
         let disks = side.area / (self.disk * self.disk).max(f32::MIN_POSITIVE);

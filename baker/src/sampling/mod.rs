@@ -20,6 +20,7 @@ mod focus;
 mod footprint;
 mod interior;
 mod locate;
+mod object_side;
 mod objects;
 mod openness;
 mod particle;

@@ -7,10 +7,11 @@
 
 use super::SurfacePoint;
 use super::interior::Interior;
+use super::object_side::{ObjectSide, corners, place};
 use super::patience::{Patience, SHARES};
 use super::place_settings::PlaceSettings;
 use super::poisson_disk::DartBoard;
-use crate::geometry::{Hit, Primitives, SurfaceCoordinates, SurfaceSample, Surfaces};
+use crate::geometry::{Hit, Primitives, SurfaceCoordinates, Surfaces};
 use crate::random::Stream;
 use crate::scene::union;
 use glam::{Vec2, Vec3};
@@ -18,24 +19,13 @@ use glam::{Vec2, Vec3};
 /// Greatest diagonal of an object, as a share of the scene's main part.
 const OBJECT: f32 = 0.5;
 
-/// A side of a primitive.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Side {
-    /// Number of the primitive.
-    pub primitive: u32,
-    /// Whether it is the back.
-    pub is_back: bool,
-    /// Twice the area, scene units squared.
-    pub area: f32,
-}
-
 /// Surface of a group that may move.
 #[derive(Debug, Default)]
 pub(super) struct Object {
     /// Reconstruction group.
     pub group: u32,
     /// Sides of its primitives that can be seen from elsewhere, and the sum of the areas up to and with each.
-    sides: Vec<(Side, f32)>,
+    sides: Vec<(ObjectSide, f32)>,
 }
 
 /// Objects of a scene.
@@ -45,24 +35,6 @@ pub(super) struct Objects {
     pub all: Vec<Object>,
     /// Whether there are surfaces of no object.
     pub has_others: bool,
-}
-
-/// A place of a side, and the unit normal of the true surface there, on that side.
-pub(super) fn place(primitives: &dyn Primitives, side: &Side, stream: &mut Stream) -> (SurfaceSample, Vec3) {
-    let square = stream.square();
-    let at = if square.element_sum() > 1.0 { 1.0 - square } else { square };
-    let (primitive, is_back) = (side.primitive, side.is_back);
-    let spot = primitives.spot(SurfaceCoordinates { primitive, at, is_back }, 0.0);
-    let [a, b, c] = corners(primitives, primitive);
-    let across = (b - a).cross(c - a).normalize_or_zero();
-    let geometric_normal = if across.dot(spot.normal) < 0.0 { -across } else { across };
-    (spot, geometric_normal)
-}
-
-/// The corners of a primitive's front, at its [coordinates](SurfaceCoordinates::at).
-fn corners(primitives: &dyn Primitives, primitive: u32) -> [Vec3; 3] {
-    [Vec2::ZERO, Vec2::X, Vec2::Y]
-        .map(|at| primitives.spot(SurfaceCoordinates { primitive, at, is_back: false }, 0.0).position)
 }
 
 impl Objects {
@@ -77,7 +49,7 @@ impl Objects {
         let groups = &settings.groups;
         let primitives = surfaces.primitives().filter(|_| groups.iter().any(|group| group.moves));
         let Some(primitives) = primitives else { return Self { all: Vec::new(), has_others: true } };
-        let mut sides: Vec<Vec<Side>> = vec![Vec::new(); groups.len()];
+        let mut sides: Vec<Vec<ObjectSide>> = vec![Vec::new(); groups.len()];
         let mut bounds: Vec<Option<(Vec3, Vec3)>> = vec![None; groups.len()];
         for primitive in 0..primitives.count() as u32 {
             let middle = SurfaceCoordinates { primitive, at: Vec2::splat(1.0 / 3.0), is_back: false };
@@ -90,7 +62,7 @@ impl Objects {
             let area = (b - a).cross(c - a).length();
             let has_back = primitives.primitive(primitive).has_back;
             let both = [false, true].into_iter().take(1 + usize::from(has_back));
-            sides.extend(both.map(|is_back| Side { primitive, is_back, area }));
+            sides.extend(both.map(|is_back| ObjectSide { primitive, is_back, area }));
             let own = (a.min(b).min(c), a.max(b).max(c));
             *bounds = Some(bounds.map_or(own, |bounds| union(bounds, own)));
         }
@@ -114,8 +86,8 @@ impl Objects {
 }
 
 impl Object {
-    fn new(group: u32, sides: Vec<Side>) -> Self {
-        let sum = |sum: &mut f32, side: Side| {
+    fn new(group: u32, sides: Vec<ObjectSide>) -> Self {
+        let sum = |sum: &mut f32, side: ObjectSide| {
             *sum += side.area;
             Some((side, *sum))
         };
