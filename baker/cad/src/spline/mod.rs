@@ -1,5 +1,10 @@
 //! B-splines: basis functions, Bézier pieces of NURBS surfaces, and where rays meet them.
 
 pub mod basis;
+pub mod bezier_patch;
 #[cfg(test)]
 pub(crate) mod samples;
+pub mod split;
+
+pub use bezier_patch::BezierPatch;
+pub use split::patches;
