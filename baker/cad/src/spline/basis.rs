@@ -48,6 +48,25 @@ pub fn functions(degree: usize, knots: &[f64], span: usize, at: f64) -> [Values;
     [values, derivatives]
 }
 
+/// Bernstein polynomials of a degree, at most [`MAX_DEGREE`]: [values, derivatives].
+pub fn bernstein(degree: usize, at: f64) -> [Values; 2] {
+    let [mut values, mut slopes]: [Values; 2] = [[0.0; MAX_DEGREE + 1]; 2];
+    values[0] = 1.0;
+    for current in 1..=degree {
+        if current == degree {
+            slopes[0] = -(degree as f64) * values[0];
+            for i in 1..=degree {
+                slopes[i] = degree as f64 * (values[i - 1] - values[i]);
+            }
+        }
+        for i in (1..=current).rev() {
+            values[i] = at * values[i - 1] + (1.0 - at) * values[i];
+        }
+        values[0] *= 1.0 - at;
+    }
+    [values, slopes]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! Rational Bézier patch.
 
+use super::basis::bernstein;
 use glam::{DVec2, DVec3, DVec4};
 
 /// A rational Bézier patch: a piece of a surface, over a rectangle of its parameters.
@@ -16,19 +17,18 @@ pub struct BezierPatch {
 impl BezierPatch {
     /// The point at parameters from 0 to 1.
     pub fn point(&self, at_unit: DVec2) -> DVec3 {
-        let columns = self.degrees[1] + 1;
-        let mut row = self.net.clone();
-        for length in (1..=self.degrees[0]).rev() {
-            for index in 0..length * columns {
-                row[index] = row[index].lerp(row[index + columns], at_unit.x);
-            }
-        }
-        for length in (1..columns).rev() {
-            for index in 0..length {
-                row[index] = row[index].lerp(row[index + 1], at_unit.y);
-            }
-        }
-        row[0].truncate() / row[0].w
+        let place = self.homogeneous(at_unit);
+        place.truncate() / place.w
+    }
+
+    /// The point at parameters from 0 to 1, (w x, w y, w z, w).
+    pub fn homogeneous(&self, at_unit: DVec2) -> DVec4 {
+        let [values_u, _] = bernstein(self.degrees[0], at_unit.x);
+        let [values_v, _] = bernstein(self.degrees[1], at_unit.y);
+        let rows = self.net.chunks_exact(self.degrees[1] + 1);
+        let along =
+            |row: &[DVec4]| row.iter().zip(values_v).map(|(&pole, value)| value * pole).sum::<DVec4>();
+        rows.zip(values_u).map(|(row, value)| value * along(row)).sum()
     }
 
     /// A box about the control points, least and greatest corner: the patch lies within their convex hull.

@@ -2,6 +2,8 @@
 
 pub mod basis;
 pub mod bezier_patch;
+pub mod meet;
+pub mod roots;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod split;
