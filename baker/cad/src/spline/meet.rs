@@ -62,7 +62,7 @@ struct View {
 }
 
 impl View {
-    /// `None` if numbers are not finite or the direction is 0.
+    /// `None` if numbers are not finite, the direction is 0, or the patch is smaller than rounding errors at this distance.
     fn new(patch: &BezierPatch, ray: &Ray) -> Option<Self> {
         let unit = ray.direction.try_normalize()?;
         let along = unit / ray.direction.length();
@@ -90,6 +90,9 @@ impl View {
         // The origin, the products and the patch's own control points are rounded.
         let noise = 8.0 * f64::EPSILON * (magnitude + weights[1] * (ray.origin - origin).abs().max_element());
         let size = (greatest - least).length();
+        if noise >= weights[0] * size {
+            return None;
+        }
         let tolerance = (TOUCH * weights[0] * size).max(4.0 * noise);
         let net = PlaneNet { degrees: patch.degrees, net, noise, tolerance };
         Some(Self { net, depths, foot, origin, along, size: size * along.length() })

@@ -90,7 +90,7 @@ fn poles_seams_corners_and_tangents_are_met() {
             let direction = random.direction();
             let ray = Ray { origin: 2.0 * sign * DVec3::Z - 3.0 * direction, direction };
             let found = meet_all(&patches, &ray, ALL);
-            assert_eq!(found.len(), 2, "{ray:?}");
+            assert_eq!(found.len(), 2, "{ray:?} {found:?}");
             assert!(found.iter().any(|meeting| (meeting.distance - 3.0).abs() < 1e-11));
             assert!(gap(&surface, &ray, &found) < 1e-11);
         }
@@ -102,7 +102,7 @@ fn poles_seams_corners_and_tangents_are_met() {
         for target in [DVec3::X, DVec3::Y, -DVec3::X, DVec3::new(angle.cos(), 0.0, angle.sin())] {
             let ray = Ray { origin: 2.0 * target - 3.0 * direction, direction };
             let found = meet_all(&patches, &ray, ALL);
-            assert_eq!(found.len(), 2, "{ray:?}");
+            assert_eq!(found.len(), 2, "{ray:?} {found:?}");
             assert!(found.iter().any(|meeting| (meeting.distance - 3.0).abs() < 1e-10));
         }
     }
@@ -229,7 +229,7 @@ fn rays_within_a_flat_patch_end() {
         let ray = Ray { origin: through - 6.0 * direction, direction };
         let found = meet_all(&patches, &ray, ALL);
         assert!(!found.is_empty());
-        assert!(gap(&flat, &ray, &found) < 1e-10);
+        assert!(gap(&flat, &ray, &found) < 1e-10, "{ray:?} {found:?} {}", gap(&flat, &ray, &found));
     }
 }
 

@@ -73,7 +73,7 @@ impl PlaneNet {
                     }
                     continue;
                 }
-                let slopes = Slopes::of(self.degrees, net);
+                let slopes = Slopes::of(self.degrees, net, self.noise);
                 if slopes.are_one_to_one
                     && let Some(root) = self.polished(*range)
                 {
@@ -127,10 +127,14 @@ impl PlaneNet {
     fn settled(&self, range: [DVec2; 2]) -> Option<DVec2> {
         let mut at = 0.5 * (range[0] + range[1]);
         let [low, high] = [range[0] - MARGIN, range[1] + MARGIN];
+        // |F| and where.
+        let mut least = (f64::INFINITY, at);
         for _ in 0..8 {
             let [value, by_u, by_v] = self.derivatives(at);
-            if value.length() <= self.tolerance {
-                return Some(at);
+            if value.length() < least.0 {
+                least = (value.length(), at);
+            } else {
+                break;
             }
             let [uu, uv, vv] = [by_u.length_squared(), by_u.dot(by_v), by_v.length_squared()];
             let damping = 1e-12 * (uu + vv);
@@ -138,11 +142,11 @@ impl PlaneNet {
             let pull = DVec2::new(by_u.dot(value), by_v.dot(value));
             let step = DVec2::new(d * pull.x - uv * pull.y, a * pull.y - uv * pull.x) / (a * d - uv * uv);
             if !step.is_finite() {
-                return None;
+                break;
             }
             at = (at - step).clamp(low, high).clamp(DVec2::ZERO, DVec2::ONE);
         }
-        None
+        (least.0 <= self.tolerance).then_some(least.1)
     }
 
     /// Adds a root unless it is one of those found.
@@ -191,7 +195,7 @@ struct Slopes {
 }
 
 impl Slopes {
-    fn of(degrees: [usize; 2], net: &[DVec2]) -> Self {
+    fn of(degrees: [usize; 2], net: &[DVec2], noise: f64) -> Self {
         let [p, q] = degrees;
         let columns = q + 1;
         // Mean derivatives; the sums along the rows telescope.
@@ -222,8 +226,10 @@ impl Slopes {
         }
         // Then x · J x > 0 for any mean J of derivatives and any x, so that no two points of the (convex) piece have one image.
         let off = greatest.x + greatest.y;
-        let are_one_to_one =
-            determinant != 0.0 && least.min_element() > 0.0 && 4.0 * least.x * least.y > off * off;
+        // Rounding errors of derivatives, after the inverse, must be small against 1.
+        let error = 2.0 * p.max(q) as f64 * noise * mean_u.length().max(mean_v.length());
+        let is_certain = determinant.abs() > 100.0 * error;
+        let are_one_to_one = is_certain && least.min_element() > 0.05 && 3.0 * least.x * least.y > off * off;
         Self { are_one_to_one, steeper: usize::from(change.y > change.x) }
     }
 }
