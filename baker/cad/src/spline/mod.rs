@@ -2,6 +2,7 @@
 
 pub mod basis;
 pub mod bezier_patch;
+pub(crate) mod inversion;
 pub mod meet;
 pub mod roots;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! NURBS surface.
 
 use crate::spline::basis::{self, MAX_DEGREE};
+use crate::spline::{inversion, split};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Most control points that a surface may have.
@@ -64,10 +65,8 @@ impl NurbsSurface {
         poles: Vec<DVec3>,
         weights: Vec<f64>,
     ) -> Result<Self, SurfaceError> {
-        for direction in 0..2 {
-            if !(1..=MAX_DEGREE).contains(&degrees[direction]) {
-                return Err(SurfaceError::Degree(degrees[direction]));
-            }
+        if let Some(&degree) = degrees.iter().find(|degree| !(1..=MAX_DEGREE).contains(*degree)) {
+            return Err(SurfaceError::Degree(degree));
         }
         let expected = counts[0].saturating_mul(counts[1]);
         if counts[0] <= degrees[0] || counts[1] <= degrees[1] || expected > MAX_POLES {
@@ -157,6 +156,65 @@ impl NurbsSurface {
             is_closed.then(|| high[direction] - low[direction])
         })
     }
+
+    /// Parameters of the point of the surface nearest to a place: of the least distance there is about `near`, or without it,
+    /// of the least that is found from samples of every knot span. Within the domain; in a direction in which the surface is
+    /// closed, it goes on across the seam.
+    ///
+    /// Damped Gauss-Newton method (Levenberg 1944, Marquardt 1963): exact to rounding errors for a place on the surface, slower the
+    /// further the place is from it. Samples can miss the nearest of several parts that are near.
+    pub fn invert(&self, place: DVec3, near: Option<DVec2>) -> DVec2 {
+        inversion::Inversion::new(self, place).nearest(near)
+    }
+
+    /// A box about the part of the surface over a rectangle of parameters, by the control points of its Bézier pieces. What
+    /// lies beyond the domain is clamped to it, or where the surface is closed, moved into it by periods.
+    pub fn bounds(&self, patch: [DVec2; 2]) -> [DVec3; 2] {
+        let periods = self.periods();
+        let [spans_u, spans_v] = [0, 1].map(|direction| self.pieces(direction, patch, periods[direction]));
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for &(span_u, u) in &spans_u {
+            for &(span_v, v) in &spans_v {
+                let rectangle = [0, 1].map(|side| DVec2::new(u[side], v[side]));
+                let [least, greatest] = split::patch(self, [span_u, span_v]).within(rectangle).bounds();
+                bounds = [bounds[0].min(least), bounds[1].max(greatest)];
+            }
+        }
+        bounds
+    }
+
+    /// Knot spans that hold parts of an interval, and the least and greatest parameter of each part.
+    fn pieces(&self, direction: usize, patch: [DVec2; 2], period: Option<f64>) -> Vec<(usize, [f64; 2])> {
+        let [low, high] = self.domain().map(|corner| corner[direction]);
+        let [from, to] = [patch[0][direction], patch[1][direction]];
+        let intervals = match period {
+            Some(period) if from < low || to > high => {
+                let start = low + (from - low).rem_euclid(period);
+                let end = start + (to - from);
+                if to - from >= period {
+                    vec![[low, high]]
+                } else if end > high {
+                    vec![[start, high], [low, end - period]]
+                } else {
+                    vec![[start, end]]
+                }
+            }
+            _ => vec![[from.clamp(low, high), to.clamp(low, high)]],
+        };
+        let knots = &self.knots[direction];
+        let mut found = Vec::new();
+        for [from, to] in intervals {
+            let [first, last] = [from, to].map(|at| basis::span(self.degrees[direction], knots, at));
+            for span in first..=last {
+                let part = [from.max(knots[span]), to.min(knots[span + 1])];
+                let is_part = part[0] < part[1] || first == last;
+                if is_part && knots[span] < knots[span + 1] {
+                    found.push((span, part));
+                }
+            }
+        }
+        found
+    }
 }
 
 /// Whether knots suit a degree and a number of control points.
@@ -209,6 +267,80 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn points_are_inverted() {
+        let mut random = Random(17);
+        for surface in [sphere(2.0), torus(3.0, 1.0), wavy(7)] {
+            let [low, high] = surface.domain();
+            for _ in 0..1000 {
+                let at = low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+                let place = surface.derivatives(at)[0];
+                let found = surface.invert(place, None);
+                assert!(surface.derivatives(found)[0].distance(place) < 1e-12, "{at} {found}");
+                let nudge = DVec2::new(random.within(-0.05, 0.05), random.within(-0.05, 0.05));
+                let found = surface.invert(place, Some(at + nudge));
+                assert!(surface.derivatives(found)[0].distance(place) < 1e-12, "{at} {found}");
+                assert!(found.cmpge(low).all() && found.cmple(high).all());
+            }
+        }
+    }
+
+    #[test]
+    fn inversion_goes_across_seams_stays_in_the_domain_and_takes_poles() {
+        let ball = sphere(2.0);
+        let place = ball.derivatives(DVec2::new(3.95, 1.2))[0];
+        let found = ball.invert(place, Some(DVec2::new(0.05, 1.1)));
+        assert!(found.distance(DVec2::new(3.95, 1.2)) < 1e-12, "{found}");
+        let pole = ball.invert(DVec3::new(0.0, 0.0, 2.0), None);
+        assert!(ball.derivatives(pole)[0].distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-12);
+        // The nearest point to one beyond a border is on the border, at a right angle to it.
+        let surface = wavy(7);
+        let [low, high] = surface.domain();
+        let edge = surface.derivatives(DVec2::new(1.7, high.y));
+        let out = edge[2] - edge[2].project_onto(edge[1]);
+        let found = surface.invert(edge[0] + 0.1 * out.normalize(), None);
+        assert!(found.y == high.y && (found.x - 1.7).abs() < 1e-8 && found.x > low.x, "{found}");
+        // A place off the surface, along the normal.
+        let [place, by_u, by_v] = surface.derivatives(DVec2::new(1.3, 2.1));
+        let found = surface.invert(place + 0.01 * by_u.cross(by_v).normalize(), None);
+        assert!(found.distance(DVec2::new(1.3, 2.1)) < 1e-8, "{found}");
+        assert!(surface.invert(DVec3::NAN, None).is_finite());
+        assert!(surface.invert(place, Some(DVec2::NAN)).is_finite());
+    }
+
+    #[test]
+    fn bounds_hold_the_part_and_little_more() {
+        let mut random = Random(18);
+        for surface in [sphere(2.0), torus(3.0, 1.0), wavy(7)] {
+            let [low, high] = surface.domain();
+            for _ in 0..300 {
+                let [a, b] = [0, 1].map(|_| {
+                    low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0))
+                });
+                let patch = [a.min(b), a.max(b)];
+                let [least, greatest] = surface.bounds(patch);
+                let mut tight = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+                for index in 0..=20 * 21 {
+                    let share = DVec2::new(f64::from(index / 21), f64::from(index % 21)) / 20.0;
+                    let place = surface.derivatives(patch[0] + share * (patch[1] - patch[0]))[0];
+                    tight = [tight[0].min(place), tight[1].max(place)];
+                }
+                assert!(
+                    (tight[0] - least).min_element() > -1e-12 && (greatest - tight[1]).min_element() > -1e-12
+                );
+                assert!((greatest - least).length() < 2.5 * (tight[1] - tight[0]).length() + 1e-9);
+            }
+        }
+        // Across the seam of a closed surface, in any period.
+        let ball = sphere(2.0);
+        let across = ball.bounds([DVec2::new(3.9, 0.9), DVec2::new(4.1, 1.1)]);
+        let below = ball.bounds([DVec2::new(-0.1, 0.9), DVec2::new(0.1, 1.1)]);
+        for side in 0..2 {
+            assert!(across[side].distance(below[side]) < 1e-12);
+        }
+        assert!(across[0].x > 1.9 && across[0].y < -0.1 && across[1].y > 0.1);
     }
 
     #[test]
