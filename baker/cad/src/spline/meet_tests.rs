@@ -212,6 +212,84 @@ fn random_rays_meet_a_wavy_surface_where_triangles_are() {
 }
 
 #[test]
+fn rays_cross_a_closed_surface_an_even_number_of_times() {
+    let mut random = Random(19);
+    let surface = torus(3.0, 1.0);
+    let patches = patches(&surface);
+    for index in 0..20_000 {
+        let direction = random.direction();
+        let origin = if index % 2 == 0 {
+            random.place(4.0)
+        } else {
+            // All but touching, from a little inside to a little outside.
+            let [u, v] = [random.within(0.0, 4.0), random.within(0.0, 4.0)];
+            let [place, by_u, by_v] = surface.derivatives(DVec2::new(u, v));
+            let normal = by_u.cross(by_v).normalize();
+            let along = direction.reject_from(normal).normalize();
+            let ray =
+                Ray { origin: place + random.within(-1e-6, 1e-6) * normal - 20.0 * along, direction: along };
+            let found = meet_all(&patches, &ray, ALL);
+            assert!(found.len() % 2 == 0, "{ray:?} {found:?}");
+            assert!(gap(&surface, &ray, &found) < 1e-11);
+            continue;
+        };
+        let ray = Ray { origin: origin - 20.0 * direction, direction };
+        assert!(meet_all(&patches, &ray, ALL).len() % 2 == 0, "{ray:?}");
+    }
+}
+
+#[test]
+fn a_ray_at_any_point_of_a_surface_meets_it_there() {
+    let mut random = Random(20);
+    // Degree 3 in pieces, and one piece of degree 8.
+    let steep = NurbsSurface::new(
+        [8, 8],
+        [0, 1].map(|_| [[0.0; 9], [1.0; 9]].concat()),
+        [9, 9],
+        (0..81)
+            .map(|index| DVec3::new((index / 9) as f64, (index % 9) as f64, random.within(-3.0, 3.0)))
+            .collect(),
+        (0..81).map(|_| random.within(0.2, 5.0)).collect(),
+    )
+    .unwrap();
+    for (surface, count) in [(wavy(7), 20_000), (steep, 2_000)] {
+        let patches = patches(&surface);
+        let [low, high] = surface.domain();
+        for index in 0..count {
+            let mut at = low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+            // On corners and borders of the patches, and within them.
+            for direction in 0..2 {
+                if index % 3 == 0 || index % 3 == 1 + direction {
+                    let knots = &surface.knots[direction];
+                    at[direction] = knots[random.within(0.0, knots.len() as f64) as usize];
+                }
+            }
+            let [place, by_u, by_v] = surface.derivatives(at);
+            let mut direction = random.direction();
+            let normal = by_u.cross(by_v).normalize();
+            let is_tangent = index % 4 == 0;
+            if is_tangent {
+                direction = direction.reject_from(normal).normalize();
+            }
+            let distance = random.within(0.0, 30.0);
+            let ray = Ray { origin: place - distance * direction, direction };
+            let found = meet_all(&patches, &ray, ALL);
+            assert!(gap(&surface, &ray, &found) < 1e-10, "{ray:?} {}", gap(&surface, &ray, &found));
+            // A touch is as wide as the root of what rounding errors and the tolerance leave of it.
+            let error = if is_tangent { 1e-5 } else { 1e-9 / direction.dot(normal).abs().max(1e-4) };
+            let on_border = (at - low).min(high - at).min_element() < 1e-9;
+            // At the border of a surface, rounding may take the ray past it.
+            if !on_border {
+                assert!(
+                    found.iter().any(|meeting| (meeting.distance - distance).abs() < error),
+                    "{index} {ray:?} {at} {distance} {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn rays_within_a_flat_patch_end() {
     let flat = NurbsSurface::new(
         [3, 3],
