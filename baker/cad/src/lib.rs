@@ -6,6 +6,7 @@
 //! | [`frame`] | placements |
 //! | [`curve`] | lines, conics, NURBS curves |
 //! | [`surface`] | planes, quadrics, tori, surfaces of revolution and extrusion, NURBS surfaces |
+//! | [`spline`] | Bézier pieces of NURBS surfaces, and where rays meet them |
 //! | [`trim`] | trimmed domains: trapezoidal maps |
 //! | [`face`] | trimmed surfaces |
 //! | [`model`] | parts of an assembly |
@@ -16,5 +17,6 @@ pub mod curve;
 pub mod face;
 pub mod frame;
 pub mod model;
+pub mod spline;
 pub mod surface;
 pub mod trim;
