@@ -1,11 +1,20 @@
 //! Surfaces, with the parametrisations of ISO 10303-42.
 
+mod angle;
+mod cone;
+mod cylinder;
+mod local_ray;
+mod meetings;
+pub mod nurbs;
+mod plane;
+mod polynomial;
+mod sphere;
+mod torus;
+
 use crate::curve::Curve;
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
-
-pub mod nurbs;
-
+pub use meetings::Meetings;
 pub use nurbs::NurbsSurface;
 
 /// A surface, untrimmed.
