@@ -1,6 +1,6 @@
 //! Rational Bézier patch.
 
-use super::basis::bernstein;
+use crate::basis::bernstein;
 use glam::{DVec2, DVec3, DVec4};
 
 /// A rational Bézier patch: a piece of a surface, over a rectangle of its parameters.

@@ -1,6 +1,5 @@
 //! B-splines: basis functions, Bézier pieces of NURBS surfaces, and where rays meet them.
 
-pub mod basis;
 pub mod bezier_patch;
 pub(crate) mod inversion;
 pub mod meet;

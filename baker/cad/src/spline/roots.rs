@@ -1,7 +1,7 @@
 //! Roots of two polynomials in two variables, in Bernstein form.
 
-use super::basis::bernstein;
 use super::bezier_patch::cut_net;
+use crate::basis::bernstein;
 use glam::DVec2;
 
 /// Most pieces that are looked at side by side; beyond it, the roots are no points but curves (see [`PlaneNet::roots`]).

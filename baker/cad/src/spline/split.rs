@@ -1,7 +1,7 @@
 //! Bézier pieces of a NURBS surface.
 
-use super::basis::MAX_DEGREE;
 use super::bezier_patch::{BezierPatch, Mix};
+use crate::basis::MAX_DEGREE;
 use crate::surface::NurbsSurface;
 use glam::{DVec2, DVec4};
 

@@ -1,6 +1,6 @@
 //! NURBS surface.
 
-use crate::spline::basis::{self, MAX_DEGREE};
+use crate::basis::{self, MAX_DEGREE};
 use crate::spline::{inversion, split};
 use glam::{DVec2, DVec3, DVec4};
 
