@@ -2,10 +2,12 @@
 
 mod error;
 mod flatten;
+mod hull;
 mod invert;
 pub mod nurbs;
 #[cfg(test)]
 mod tests;
+mod to_nurbs;
 
 use crate::frame::Frame;
 pub use error::CurveError;
@@ -98,6 +100,15 @@ impl Curve {
                 Some(last - first)
             }
             _ => None,
+        }
+    }
+
+    /// A range of the parameter with something of the curve's shape: the domain of a NURBS curve, a turn of an ellipse.
+    pub fn some_range(&self) -> [f64; 2] {
+        match self {
+            Self::Circle { .. } | Self::Ellipse { .. } => [0.0, TAU],
+            Self::Nurbs(curve) => curve.domain(),
+            _ => [-1.0, 1.0],
         }
     }
 }

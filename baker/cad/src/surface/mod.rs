@@ -4,14 +4,16 @@ mod angle;
 mod area;
 mod cone;
 mod cylinder;
-pub mod extrusion;
+mod extrusion;
 mod local_ray;
 mod meetings;
 pub mod nurbs;
 mod plane;
 mod polynomial;
-pub mod revolution;
+mod revolution;
 mod sphere;
+#[cfg(test)]
+mod swept_tests;
 #[cfg(test)]
 mod tests;
 mod torus;
