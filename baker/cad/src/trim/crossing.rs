@@ -12,20 +12,26 @@ const MOST_INTERVALS: usize = 4096;
 /// bisection; without a 0 in the mean value form of the difference there is none. A crossing that stays undecided is one of two
 /// pieces closer together than `tolerance`.
 pub(super) fn crossings(a: &Piece, b: &Piece, tolerance: f64, found: &mut Vec<f64>) {
-    let (low, high) = (a.u[0].max(b.u[0]), a.u[1].min(b.u[1]));
-    if low >= high || a.is_on_curve_of(b) {
+    let range = (a.u[0].max(b.u[0]), a.u[1].min(b.u[1]));
+    if range.0 >= range.1 || a.is_on_curve_of(b) {
         return;
     }
+    // Ends of the range are ends of a piece, where slabs end anyway.
+    let mut find = |u: f64| {
+        if range.0 < u && u < range.1 {
+            found.push(u);
+        }
+    };
     let difference = |u: f64| a.v_at(u) - b.v_at(u);
-    let mut open = vec![(low, high)];
+    let mut open = vec![range];
     let mut intervals = 0;
     while let Some((low, high)) = open.pop() {
         intervals += 1;
         let middle = 0.5 * (low + high);
         let ends = [difference(low), difference(high)];
         if middle <= low || middle >= high || intervals > MOST_INTERVALS {
-            if ends[0] * ends[1] < 0.0 {
-                found.push(middle);
+            if ends[0] * ends[1] <= 0.0 {
+                find(middle);
             }
             continue;
         }
@@ -39,8 +45,12 @@ pub(super) fn crossings(a: &Piece, b: &Piece, tolerance: f64, found: &mut Vec<f6
         let [b_flat, b_steep] = sorted(b.slope_at(low), b.slope_at(high));
         let (least, greatest) = (a_flat - b_steep, a_steep - b_flat);
         if least > 0.0 || greatest < 0.0 {
-            if ends[0] * ends[1] < 0.0 {
-                found.push(bisected(difference, low, high, ends[0]));
+            if ends[0] == 0.0 {
+                find(low);
+            } else if ends[1] == 0.0 {
+                find(high);
+            } else if ends[0] * ends[1] < 0.0 {
+                find(bisected(difference, low, high, ends[0]));
             }
             continue;
         }

@@ -296,8 +296,7 @@ fn checked(loops: &[TrimLoop]) -> Result<Vec<TrimEdge>, TrimError> {
             let before = if edge == 0 { &edges[edges.len() - 1] } else { &edges[edge - 1] };
             let (end, [begin, _]) = (before.ends()[1], it.ends());
             let gap = end.distance(begin);
-            // Negated, so that an overflow is an error.
-            if !(gap <= tolerance) {
+            if gap > tolerance || !gap.is_finite() {
                 return Err(TrimError::Open { curve, edge, gap });
             }
             if gap > 0.0 {
