@@ -14,6 +14,7 @@
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
 
 pub mod basis;
+pub mod cast;
 pub mod curve;
 pub mod face;
 pub mod frame;
