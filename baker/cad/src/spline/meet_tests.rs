@@ -229,12 +229,12 @@ fn rays_cross_a_closed_surface_an_even_number_of_times() {
             let ray =
                 Ray { origin: place + random.within(-1e-6, 1e-6) * normal - 20.0 * along, direction: along };
             let found = meet_all(&patches, &ray, ALL);
-            assert!(found.len() % 2 == 0, "{ray:?} {found:?}");
+            assert!(found.len().is_multiple_of(2), "{ray:?} {found:?}");
             assert!(gap(&surface, &ray, &found) < 1e-11);
             continue;
         };
         let ray = Ray { origin: origin - 20.0 * direction, direction };
-        assert!(meet_all(&patches, &ray, ALL).len() % 2 == 0, "{ray:?}");
+        assert!(meet_all(&patches, &ray, ALL).len().is_multiple_of(2), "{ray:?}");
     }
 }
 
