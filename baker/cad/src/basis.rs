@@ -6,7 +6,7 @@ pub const MAX_DEGREE: usize = 25;
 /// A value for each of the functions that may differ from 0 at a parameter: the first `degree + 1` count.
 pub type Values = [f64; MAX_DEGREE + 1];
 
-/// The knot span of a parameter: the i with knots[i] ≤ t < knots[i + 1], within the domain. Beyond the domain and at its end, the
+/// The knot span of a parameter: the i with `knots[i]` ≤ t < `knots[i + 1]`, within the domain. Beyond the domain and at its end, the
 /// span nearest to it. `degree` is at most [`MAX_DEGREE`], and there are at least 2 (`degree` + 1) knots. (A2.1)
 pub fn span(degree: usize, knots: &[f64], at: f64) -> usize {
     let count = knots.len().saturating_sub(degree + 1);

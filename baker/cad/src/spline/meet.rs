@@ -15,16 +15,17 @@ impl BezierPatch {
     /// Adds all meetings of a ray with the patch, borders included, at distances from the first to the second.
     ///
     /// Two planes through the ray turn its meetings into the roots of two polynomials in u and v, a · (P - w O) = 0 for both
-    /// normals a (Kajiya 1982), which [`PlaneNet::roots`] finds by subdivision. Errors: at least as near to the ray as 10⁻¹¹ of
-    /// the patch's size. A ray that touches the patch, or passes it by less than 10⁻¹² of its size, meets it once; one that runs
-    /// within it, at some points. Poles, where an edge is one point, are met once.
+    /// normals a (Kajiya 1982), which [`PlaneNet::roots`] finds by subdivision. Meetings are within 10⁻¹¹ of the patch's size of
+    /// the ray, or within rounding errors where those are larger (a ray from afar). A ray that touches the patch, or passes it
+    /// by less than 10⁻¹² of its size, meets it once; one that runs within it, at some points. Poles, where an edge is one
+    /// point, are met once.
     ///
     /// `found` may hold meetings of other patches of the same surface, and of no other: what lies on the patch's border at the
     /// distance of one of those is that one.
     pub fn meet(&self, ray: &Ray, distances: [f64; 2], found: &mut Vec<Meeting>) {
         let Some(view) = View::new(self, ray) else { return };
-        let nearest = view.depths[0] <= distances[1] && view.depths[1] >= distances[0];
-        if !nearest {
+        let may_meet = view.depths[0] <= distances[1] && view.depths[1] >= distances[0];
+        if !may_meet {
             return;
         }
         let others = found.len();

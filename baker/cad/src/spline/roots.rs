@@ -47,11 +47,11 @@ impl PlaneNet {
     /// Binary subdivision: a piece is let go only when 0 lies outside the convex hull of its control points (Nishita, Sederberg and
     /// Kakimoto 1990). Where the derivative's control points prove the piece one to one, Newton's method finds its only root
     /// (single-solution test, Hanniel and Elber 2007); where it does not, the piece is halved until all its control points are
-    /// within `tolerance` of 0, and its middle counts as a root. Roots that are joined by a line on which |F| is no more than twice
+    /// within `tolerance` of 0, and a place of it counts as a root. Roots that are joined by a line on which |F| is no more than twice
     /// the tolerance are one: double roots, and edges of the square that F takes to 0.
     ///
-    /// Where the roots are a curve, more than [`MAX_PIECES`] pieces remain at some depth. Then each gives what Newton's method
-    /// finds from its middle: some points of the curve, and of roots elsewhere.
+    /// Where the roots are a curve, more than [`MAX_PIECES`] pieces remain at some depth. Then each gives what the
+    /// Gauss-Newton method finds from its middle: some points of the curve, and of roots elsewhere.
     pub fn roots(&self) -> Vec<DVec2> {
         let mut found = Vec::new();
         if is_apart(&self.net, self.noise) {
