@@ -1,8 +1,12 @@
 //! Curves in space, with the parametrisations of ISO 10303-42. A plane curve (pcurve) has z = 0.
 
+pub mod error;
 pub mod nurbs;
+#[cfg(test)]
+pub(crate) mod random;
 
 use crate::frame::Frame;
+pub use error::SplineError;
 use glam::DVec3;
 pub use nurbs::NurbsCurve;
 
