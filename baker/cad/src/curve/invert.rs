@@ -2,17 +2,21 @@
 
 use super::{Curve, NurbsCurve};
 use glam::DVec3;
+use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Samples a knot span, and one for each degree.
 const SAMPLES: usize = 4;
+
+/// So many intervals between samples are halved at most.
+const MAX_SPLITS: u32 = 256;
 
 impl Curve {
     /// Parameter of the point of the curve nearest to `place`. On a closed curve it is the one within half a period of `near`;
     /// without that, from 0 to 2π or in the domain.
     ///
     /// Line and circle in closed form; the other conics by Newton's method in their quadrant, bisecting where that strays;
-    /// NURBS from samples of every knot span, each that may be nearest refined in the same way.
+    /// NURBS from samples of every knot span, minima between them found in the same way.
     pub fn invert(&self, place: DVec3, near: Option<f64>) -> f64 {
         let u = match self {
             Self::Line { origin, direction } => {
@@ -108,7 +112,9 @@ pub(crate) fn rising_root(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> [f64
     u
 }
 
-/// Parameter of the nearest point of a NURBS curve.
+/// Parameter of the nearest point of a NURBS curve: of its ends, the samples, and the minima between samples where the
+/// derivative of the distance goes from negative to positive. Intervals that may have a nearer point, as far as chords tell, are
+/// halved, the widest first.
 fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
     let count = SAMPLES + spline.degree;
     let breaks = spline.breaks();
@@ -117,28 +123,54 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
         parameters.extend((0..count).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64));
     }
     parameters.extend(breaks.last());
-    let points: Vec<DVec3> = parameters.iter().map(|u| spline.derivatives(*u)[0]).collect();
-    let distances: Vec<f64> = points.iter().map(|point| point.distance(place)).collect();
-    let best = distances.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut result = [parameters[0], f64::INFINITY];
-    for (i, &distance) in distances.iter().enumerate() {
-        let [before, after] = [i.saturating_sub(1), (i + 1).min(points.len() - 1)];
-        let gap = points[i].distance(points[before]).max(points[i].distance(points[after]));
-        if distance > distances[before] || distance > distances[after] || distance - gap > best {
-            continue;
-        }
-        let u = rising_root([parameters[before], parameters[after]], parameters[i], |u| {
-            let [point, first, second] = spline.derivatives(u);
-            let offset = point - place;
-            [offset.dot(first), first.length_squared() + offset.dot(second)]
-        });
-        let refined = spline.derivatives(u)[0].distance(place);
-        let [u, refined] = if refined <= distance { [u, refined] } else { [parameters[i], distance] };
-        if refined < result[1] {
-            result = [u, refined];
+    let rate = |u: f64| {
+        let [point, first, second] = spline.derivatives(u);
+        let offset = point - place;
+        [offset.dot(first), first.length_squared() + offset.dot(second)]
+    };
+    let sample = |u: f64| {
+        let [point, first, _] = spline.derivatives(u);
+        Sample { u, point, distance: point.distance(place), rate: (point - place).dot(first) }
+    };
+    let samples: Vec<Sample> = parameters.iter().map(|u| sample(*u)).collect();
+    let mut best = samples[0];
+    for sample in &samples {
+        if sample.distance < best.distance {
+            best = *sample;
         }
     }
-    result[0]
+    let mut intervals: VecDeque<[Sample; 2]> = samples.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let mut splits = 0;
+    while let Some([before, after]) = intervals.pop_front() {
+        let least = before.distance.min(after.distance) - before.point.distance(after.point);
+        if least >= best.distance {
+            continue;
+        }
+        if before.rate < 0.0 && after.rate > 0.0 {
+            let share = before.rate / (before.rate - after.rate);
+            let found =
+                sample(rising_root([before.u, after.u], before.u + share * (after.u - before.u), rate));
+            if found.distance < best.distance {
+                best = found;
+            }
+        }
+        if splits < MAX_SPLITS && least < best.distance {
+            splits += 1;
+            let middle = sample(0.5 * (before.u + after.u));
+            intervals.extend([[before, middle], [middle, after]]);
+        }
+    }
+    best.u
+}
+
+/// A point of the curve.
+#[derive(Clone, Copy)]
+struct Sample {
+    u: f64,
+    point: DVec3,
+    distance: f64,
+    /// Of half the square of the distance, its derivative.
+    rate: f64,
 }
 
 #[cfg(test)]

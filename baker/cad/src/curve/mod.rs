@@ -2,6 +2,7 @@
 
 pub mod error;
 mod flatten;
+mod hull;
 mod invert;
 mod length;
 pub mod nurbs;

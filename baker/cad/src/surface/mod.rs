@@ -4,7 +4,9 @@ use crate::curve::Curve;
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
 
+pub mod extrusion;
 pub mod nurbs;
+pub mod revolution;
 
 pub use nurbs::NurbsSurface;
 
