@@ -102,7 +102,7 @@ fn seen(profile: &Curve, flat: impl Fn(DVec3) -> DVec3) -> Option<(Curve, [f64; 
 }
 
 /// Periods in u and v.
-pub fn periods(profile: &Curve) -> [Option<f64>; 2] {
+pub fn periods(profile: &Curve, _along: DVec3) -> [Option<f64>; 2] {
     [profile.period(), None]
 }
 
@@ -176,7 +176,7 @@ pub(crate) mod tests {
         let frame = Frame::new(numbers.vector(), numbers.vector(), numbers.vector()).unwrap();
         let profile = Curve::Circle { frame, radius: 0.7 };
         for _ in 0..100 {
-            let at = DVec2::new(numbers.between(0.0, 6.28), numbers.between(-3.0, 3.0));
+            let at = DVec2::new(numbers.between(0.0, 6.2), numbers.between(-3.0, 3.0));
             let radial = at.x.cos() * frame.x + at.x.sin() * frame.y;
             let [point, du, dv] = derivatives(&profile, frame.z, at);
             assert!(point.distance(frame.origin + 0.7 * radial + at.y * frame.z) < 1e-14);

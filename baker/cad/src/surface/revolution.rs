@@ -74,7 +74,7 @@ pub fn invert(frame: &Frame, profile: &Curve, place: DVec3, near: Option<DVec2>)
 }
 
 /// Periods in u and v.
-pub fn periods(profile: &Curve) -> [Option<f64>; 2] {
+pub fn periods(_frame: &Frame, profile: &Curve) -> [Option<f64>; 2] {
     [Some(TAU), profile.period()]
 }
 
@@ -155,7 +155,7 @@ mod tests {
             direction: frame.turn(DVec3::new(slope, 0.0, 1.0)),
         };
         for _ in 0..100 {
-            let at = DVec2::new(numbers.between(0.0, 6.28), numbers.between(-1.0, 3.0));
+            let at = DVec2::new(numbers.between(0.0, 6.2), numbers.between(-1.0, 3.0));
             let radial = at.x.cos() * frame.x + at.x.sin() * frame.y;
             let [point, du, dv] = derivatives(&frame, &profile, at);
             let across = radius + at.y * slope;
