@@ -113,7 +113,7 @@ pub(crate) fn rising_root(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> [f64
 }
 
 /// Parameter of the nearest point of a NURBS curve: of its ends, the samples, and the minima between samples where the
-/// derivative of the distance goes from negative to positive. Intervals that may have a nearer point, as far as chords tell, are
+/// derivative of the distance goes from negative to positive. Intervals that may have a nearer point, as far as chords and tangents tell, are
 /// halved, the widest first.
 fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
     let count = SAMPLES + spline.degree;
@@ -130,7 +130,13 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
     };
     let sample = |u: f64| {
         let [point, first, _] = spline.derivatives(u);
-        Sample { u, point, distance: point.distance(place), rate: (point - place).dot(first) }
+        Sample {
+            u,
+            point,
+            distance: point.distance(place),
+            rate: (point - place).dot(first),
+            speed: first.length(),
+        }
     };
     let samples: Vec<Sample> = parameters.iter().map(|u| sample(*u)).collect();
     let mut best = samples[0];
@@ -142,7 +148,10 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
     let mut intervals: VecDeque<[Sample; 2]> = samples.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let mut splits = 0;
     while let Some([before, after]) = intervals.pop_front() {
-        let least = before.distance.min(after.distance) - before.point.distance(after.point);
+        // At a fold the chord is short.
+        let tangent = before.speed.max(after.speed) * (after.u - before.u);
+        let reach = before.point.distance(after.point).max(tangent);
+        let least = before.distance.min(after.distance) - reach;
         if least >= best.distance {
             continue;
         }
@@ -171,6 +180,8 @@ struct Sample {
     distance: f64,
     /// Of half the square of the distance, its derivative.
     rate: f64,
+    /// Length of the first derivative.
+    speed: f64,
 }
 
 #[cfg(test)]
