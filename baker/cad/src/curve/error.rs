@@ -1,27 +1,50 @@
-//! What makes a NURBS curve unusable.
+//! What is wrong with the numbers of a B-spline.
 
-/// A NURBS curve that cannot be used.
+/// Why a B-spline is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CurveError {
-    /// The degree is out of range.
-    #[error("a curve of degree {0}: degrees from 1 to {max} are read", max = crate::basis::MAX_DEGREE)]
+pub enum SplineError {
+    /// Degree 0, or above what is supported.
+    #[error("degree {0} is not from 1 to {max}", max = super::nurbs::MAX_DEGREE)]
     Degree(usize),
-    /// Numbers of knots, poles and weights do not fit each other.
-    #[error("{knots} knots and {weights} weights do not fit {poles} poles of degree {degree}")]
-    Counts {
-        /// Knots, with multiplicities.
-        knots: usize,
-        /// Control points.
+    /// Fewer control points than degree + 1, or more than what is supported.
+    #[error("{poles} control points for degree {degree}")]
+    PoleCount {
+        /// Number of control points.
         poles: usize,
-        /// Weights.
-        weights: usize,
         /// Degree.
         degree: usize,
     },
-    /// A knot is smaller than the one before, or the domain is empty, or a knot inside is there too often.
-    #[error("knot {0} of a curve is out of order, or there too often")]
-    Knots(usize),
-    /// A number is not finite, or a weight not positive.
-    #[error("pole {0} of a curve is not finite, or its weight is not positive")]
-    Pole(usize),
+    /// Not poles + degree + 1 knots.
+    #[error("{found} knots, expected {expected}")]
+    KnotCount {
+        /// Number of knots.
+        found: usize,
+        /// Poles + degree + 1.
+        expected: usize,
+    },
+    /// Not one weight a control point.
+    #[error("{found} weights, expected {expected}")]
+    WeightCount {
+        /// Number of weights.
+        found: usize,
+        /// Number of control points.
+        expected: usize,
+    },
+    /// NaN or infinite.
+    #[error("a knot, control point or weight is not finite")]
+    NotFinite,
+    /// A knot is less than the one before it, or the domain is empty.
+    #[error("knots do not ascend")]
+    KnotOrder,
+    /// A weight is 0 or less.
+    #[error("weight {0} is not positive")]
+    Weight(f64),
+    /// An inner knot occurs more often than degree times, or an end more often than degree + 1 times.
+    #[error("knot {knot} occurs {multiplicity} times")]
+    Multiplicity {
+        /// The knot.
+        knot: f64,
+        /// How often it occurs.
+        multiplicity: usize,
+    },
 }

@@ -1,90 +1,89 @@
-//! Polylines and lengths of curves.
+//! Polyline along a curve.
 
 use super::Curve;
+use glam::DVec3;
 
-/// Most halvings of a piece.
-const DEEPEST: u32 = 20;
-/// Abscissae and weights of Gauss and Legendre's quadrature with five points, on [-1, 1].
-const GAUSS: [[f64; 2]; 5] = [
-    [0.0, 0.568_888_888_888_888_9],
-    [0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
-    [-0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
-    [0.906_179_845_938_664, 0.236_926_885_056_189_1],
-    [-0.906_179_845_938_664, 0.236_926_885_056_189_1],
-];
-/// Pieces of a length's quadrature between two breaks.
-const PIECES: usize = 16;
+/// Each smooth piece is halved at most so often.
+const MAX_DEPTH: u32 = 14;
 
 impl Curve {
-    /// Parameters of a polyline from the first to the second end of `range`, either of which may be the larger. Halves pieces
-    /// until their points at a quarter, a half and three quarters are within `chord_error` of the chord.
+    /// Parameters from `range[0]` to `range[1]`, either may be the larger, between which chords keep within `chord_error`
+    /// (metres) of the curve: smooth pieces are halved until points at a quarter, half and three quarters of the parameter
+    /// keep to the chord. At most 16384 chords a piece.
     pub fn flatten(&self, range: [f64; 2], chord_error: f64) -> Vec<f64> {
-        let mut out = vec![range[0]];
-        for ends in self.breaks_within(range).windows(2) {
-            self.refine([ends[0], ends[1]], chord_error, DEEPEST, &mut out);
+        let pieces = self.pieces(range);
+        let mut result = vec![range[0]];
+        if matches!(self, Self::Line { .. }) {
+            result.push(range[1]);
+            return result;
         }
-        out
+        for pair in pieces.windows(2) {
+            self.halve(pair[0], pair[1], chord_error, MAX_DEPTH, &mut result);
+        }
+        result
     }
 
-    /// Length of the curve between two parameters.
-    pub fn length_between(&self, from: f64, to: f64) -> f64 {
-        let breaks = self.breaks_within([from, to]);
-        let piece = |ends: &[f64], k: usize| {
-            let half = 0.5 * (ends[1] - ends[0]) / PIECES as f64;
-            let middle = ends[0] + (2 * k + 1) as f64 * half;
-            let sum = |[x, weight]: &[f64; 2]| weight * self.derivatives(middle + half * x)[1].length();
-            GAUSS.iter().map(sum).sum::<f64>() * half.abs()
-        };
-        breaks.windows(2).map(|ends| (0..PIECES).map(|k| piece(ends, k)).sum::<f64>()).sum()
+    /// Adds the parameters after `from`, to `to`.
+    fn halve(&self, from: f64, to: f64, chord_error: f64, depth: u32, result: &mut Vec<f64>) {
+        let [begin, end] = [self.point(from), self.point(to)];
+        let is_near = [0.25, 0.5, 0.75].iter().all(|share| {
+            let point = self.point(from + share * (to - from));
+            distance_to_segment(point, begin, end) <= chord_error
+        });
+        if is_near || depth == 0 {
+            result.push(to);
+        } else {
+            let middle = 0.5 * (from + to);
+            self.halve(from, middle, chord_error, depth - 1, result);
+            self.halve(middle, to, chord_error, depth - 1, result);
+        }
     }
+}
 
-    /// The ends of a range, and between them what keeps pieces simple: knots, quarters of a turn.
-    fn breaks_within(&self, [from, to]: [f64; 2]) -> Vec<f64> {
-        let (low, high) = (from.min(to), from.max(to));
-        let mut inner: Vec<f64> = match self {
-            Self::Line { .. } => Vec::new(),
-            Self::Nurbs(curve) => {
-                let [first, last] = curve.domain();
-                let turns = match self.period() {
-                    Some(period) => {
-                        ((low - first) / period).floor() as i64..=((high - first) / period).ceil() as i64
+/// Distance of a point to a line segment.
+fn distance_to_segment(point: DVec3, begin: DVec3, end: DVec3) -> f64 {
+    let along = end - begin;
+    let square = along.length_squared();
+    let share = if square > 0.0 { ((point - begin).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    point.distance(begin + share * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::random::SplitMix;
+    use crate::curve::tests::every_kind;
+    use crate::frame::Frame;
+
+    #[test]
+    fn chords_keep_to_the_curve() {
+        let mut numbers = SplitMix(5);
+        for (curve, [low, high]) in every_kind(&mut numbers) {
+            for (range, error) in [([low, high], 1e-2), ([high, low], 1e-4)] {
+                let parameters = curve.flatten(range, error);
+                assert_eq!([parameters[0], parameters[parameters.len() - 1]], range);
+                for pair in parameters.windows(2) {
+                    assert_eq!(pair[0] < pair[1], range[0] < range[1]);
+                    let [begin, end] = [pair[0], pair[1]].map(|u| curve.point(u));
+                    for i in 1..20 {
+                        let point = curve.point(pair[0] + (pair[1] - pair[0]) * f64::from(i) / 20.0);
+                        let distance = distance_to_segment(point, begin, end);
+                        let most = if i == 10 { error } else { 1.1 * error };
+                        assert!(distance <= most, "{distance} > {error}: {curve:?}");
                     }
-                    None => 0..=0,
-                };
-                let breaks = curve.breaks();
-                let shifted = |turn: i64| breaks.iter().map(move |knot| knot + turn as f64 * (last - first));
-                turns.flat_map(shifted).collect()
+                }
             }
-            _ => {
-                let quarters = ((high - low) / std::f64::consts::FRAC_PI_2).ceil().clamp(1.0, 64.0) as usize;
-                (1..quarters).map(|k| low + (high - low) * k as f64 / quarters as f64).collect()
-            }
-        };
-        inner.retain(|u| *u > low && *u < high);
-        if from > to {
-            inner.reverse();
         }
-        let mut out = vec![from];
-        out.extend(inner);
-        out.push(to);
-        out.dedup();
-        out
     }
 
-    fn refine(&self, [from, to]: [f64; 2], chord_error: f64, depth: u32, out: &mut Vec<f64>) {
-        let (a, b) = (self.point(from), self.point(to));
-        let chord = b - a;
-        let off = |share: f64| {
-            let place = self.point(from + share * (to - from)) - a;
-            let along = place.dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE);
-            (place - along.clamp(0.0, 1.0) * chord).length()
-        };
-        if depth == 0 || [0.25, 0.5, 0.75].into_iter().all(|share| off(share) <= chord_error) {
-            out.push(to);
-            return;
+    #[test]
+    fn a_circle_has_about_the_fewest_chords() {
+        let circle = Curve::Circle { frame: Frame::default(), radius: 1.0 };
+        for error in [1e-2_f64, 1e-3, 1e-5] {
+            let fewest = std::f64::consts::PI / (1.0 - error).acos();
+            let count = circle.flatten([0.0, std::f64::consts::TAU], error).len() as f64 - 1.0;
+            assert!(fewest <= count && count <= 2.0 * fewest.ceil() + 4.0, "{count} for {fewest}");
         }
-        let middle = 0.5 * (from + to);
-        self.refine([from, middle], chord_error, depth - 1, out);
-        self.refine([middle, to], chord_error, depth - 1, out);
+        assert!(circle.flatten([0.0, 1.0], 0.0).len() <= (1 << MAX_DEPTH) + 1);
     }
 }

@@ -1,124 +1,245 @@
-//! Inversion: the parameter of a curve's point that is nearest to a place.
+//! Parameter of a point on a curve.
 
 use super::{Curve, NurbsCurve};
-use crate::frame::Frame;
 use glam::DVec3;
+use std::collections::VecDeque;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Samples of a NURBS curve between two knots, for each of its degrees.
-const SAMPLES: usize = 8;
-/// Steps of Newton's iteration.
-const STEPS: usize = 40;
+/// Samples a knot span, and one for each degree.
+const SAMPLES: usize = 4;
+
+/// So many intervals between samples are halved at most.
+const MAX_SPLITS: u32 = 256;
 
 impl Curve {
-    /// Parameter of the nearest point. Of a periodic curve it is within half a period of `near`, which is 0 to a period without
-    /// one. The two nearest points of a place on an axis are as good as each other.
+    /// Parameter of the point of the curve nearest to `place`. On a closed curve it is the one within half a period of `near`;
+    /// without that, from 0 to 2π or in the domain.
+    ///
+    /// Line and circle in closed form; the other conics by Newton's method in their quadrant, bisecting where that strays;
+    /// NURBS from samples of every knot span, minima between them found in the same way.
     pub fn invert(&self, place: DVec3, near: Option<f64>) -> f64 {
-        let found = match self {
+        let u = match self {
             Self::Line { origin, direction } => {
-                (place - *origin).dot(*direction) / direction.length_squared()
+                let square = direction.length_squared();
+                if square > 0.0 { (place - *origin).dot(*direction) / square } else { 0.0 }
             }
             Self::Circle { frame, .. } => {
                 let local = frame.local(place);
-                // At the centre every point is as near.
-                match local.truncate().length_squared() > 0.0 {
-                    true => local.y.atan2(local.x),
-                    false => near.unwrap_or_default(),
-                }
+                positive_angle(local.y.atan2(local.x))
             }
-            Self::Ellipse { frame, radii } => self.on_ellipse(frame, *radii, place),
-            Self::Hyperbola { frame, radii: [a, b] } => {
+            Self::Ellipse { frame, radii } => {
                 let local = frame.local(place);
-                let starts = [(local.y / b).asinh(), near.unwrap_or_default(), 0.0];
-                self.best(starts, place, (local.length() / a.min(*b)).max(1.0).acosh() + 1.0)
+                let u = ellipse_quadrant(*radii, local.x.abs(), local.y.abs());
+                positive_angle((u.sin() * local.y.signum()).atan2(u.cos() * local.x.signum()))
             }
-            Self::Parabola { frame, focal_distance } => {
+            Self::Hyperbola { frame, radii } => {
                 let local = frame.local(place);
-                let far = (local.x.abs() / focal_distance).sqrt() + local.y.abs() / focal_distance + 1.0;
-                self.best([0.5 * local.y / focal_distance, far.min(2.0), -far.min(2.0)], place, far)
+                let [a, b] = *radii;
+                half_line(local.y, (local.y.abs() / b).asinh(), |u| {
+                    let [sinh, cosh] = [u.sinh(), u.cosh()];
+                    let [x, y] = [a * cosh - local.x, b * sinh - local.y.abs()];
+                    let slope = (a * sinh).powi(2) + (b * cosh).powi(2) + x * a * cosh + y * b * sinh;
+                    [x * a * sinh + y * b * cosh, slope]
+                })
             }
-            Self::Nurbs(curve) => return self.on_nurbs(curve, place, near),
+            Self::Parabola { frame, focal_distance: f } => {
+                let local = frame.local(place);
+                half_line(local.y, 0.5 * local.y.abs() / f, |u| {
+                    let linear = 2.0 * f - local.x;
+                    [(f * u * u + linear) * u - local.y.abs(), 3.0 * f * u * u + linear]
+                })
+            }
+            Self::Nurbs(spline) => nearest(spline, place),
         };
-        match self.period() {
-            None => found,
-            Some(period) => match near {
-                Some(near) => found + period * ((near - found) / period).round(),
-                None => found.rem_euclid(period),
-            },
-        }
-    }
-
-    fn on_ellipse(&self, frame: &Frame, [a, b]: [f64; 2], place: DVec3) -> f64 {
-        let local = frame.local(place);
-        // The angle of the circle that the ellipse is squeezed from, and those a quarter beside it.
-        let start = (local.y / b).atan2(local.x / a);
-        let beside = (a * local.y).atan2(b * local.x);
-        self.best([start, beside, 0.5 * (start + beside)], place, f64::INFINITY)
-    }
-
-    fn on_nurbs(&self, curve: &NurbsCurve, place: DVec3, near: Option<f64>) -> f64 {
-        let [first, last] = curve.domain();
-        let period = self.period();
-        let clamped = |u: f64| match period {
-            Some(period) => first + (u - first).rem_euclid(period),
-            None => u.clamp(first, last),
-        };
-        let between = SAMPLES * curve.degree;
-        let samples = curve.breaks();
-        let samples = samples.windows(2).flat_map(|ends| {
-            (0..=between).map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / between as f64)
-        });
-        let distance = |u: f64| curve.derivatives(u)[0].distance_squared(place);
-        let starts = samples.chain(near.map(clamped));
-        let start = starts.map(|u| (distance(u), u)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let mut u = start.map_or(first, |(_, u)| u);
-        let mut best = distance(u);
-        for _ in 0..STEPS {
-            let [at, along] = curve.derivatives(u);
-            let mut step = (place - at).dot(along) / along.length_squared();
-            if !step.is_finite() {
-                break;
-            }
-            // Gauss and Newton's step, halved until it leads nearer.
-            let mut next = clamped(u + step);
-            while distance(next) > best && step.abs() > f64::EPSILON * (last - first) {
-                step *= 0.5;
-                next = clamped(u + step);
-            }
-            let reached = distance(next);
-            if reached >= best {
-                break;
-            }
-            (u, best) = (next, reached);
-        }
-        match (period, near) {
-            (Some(period), Some(near)) => u + period * ((near - u) / period).round(),
+        match (near, self.period()) {
+            (Some(near), Some(period)) => u + period * ((near - u) / period).round(),
             _ => u,
         }
     }
+}
 
-    /// The best of what Newton's iteration reaches from these parameters, none of them beyond `most` in size.
-    fn best(&self, starts: [f64; 3], place: DVec3, most: f64) -> f64 {
-        let distance = |u: f64| self.point(u).distance_squared(place);
-        let polished = starts.map(|start| {
-            let mut u = start.clamp(-most, most);
-            let mut best = distance(u);
-            for _ in 0..STEPS {
-                let [at, along] = self.derivatives(u);
-                let mut step = (place - at).dot(along) / along.length_squared();
-                if !step.is_finite() {
-                    break;
-                }
-                while distance(u + step) > best && step.abs() > f64::EPSILON {
-                    step *= 0.5;
-                }
-                let reached = distance(u + step);
-                if reached >= best {
-                    break;
-                }
-                (u, best) = (u + step, reached);
+/// From 0 to 2π.
+fn positive_angle(angle: f64) -> f64 {
+    if angle < 0.0 { angle + TAU } else { angle }
+}
+
+/// Angle of the nearest point of an ellipse in the first quadrant.
+fn ellipse_quadrant(radii: [f64; 2], x: f64, y: f64) -> f64 {
+    let [a, b] = radii;
+    rising_root([0.0, FRAC_PI_2], (y / b).atan2(x / a), |u| {
+        let (sin, cos) = u.sin_cos();
+        let difference = a * a - b * b;
+        let value = x * a * sin - y * b * cos - difference * sin * cos;
+        [value, x * a * cos + y * b * sin - difference * (cos * cos - sin * sin)]
+    })
+}
+
+/// Root at or above 0 of what is not positive at 0 and at last rises, with the sign of `y`.
+fn half_line(y: f64, start: f64, f: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let mut high = start.max(1.0);
+    for _ in 0..64 {
+        if f(high)[0] >= 0.0 {
+            break;
+        }
+        high *= 2.0;
+    }
+    rising_root([0.0, high], start, f) * y.signum()
+}
+
+/// Where a function goes from negative to positive: Newton's method in a bracket that shrinks, halving it where that leaves it.
+/// `f` gives value and slope.
+pub(crate) fn rising_root(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let [mut low, mut high] = bracket;
+    let middle = 0.5 * (low + high);
+    let mut u = start.max(low).min(high);
+    for _ in 0..100 {
+        let [value, slope] = f(u);
+        if value == 0.0 && slope > 0.0 {
+            return u;
+        }
+        if value < 0.0 || (value == 0.0 && u < middle) {
+            low = u;
+        } else {
+            high = u;
+        }
+        let newton = u - value / slope;
+        let next = if slope > 0.0 && low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+        if (next - u).abs() <= 2.0 * f64::EPSILON * u.abs() || high <= low {
+            return next;
+        }
+        u = next;
+    }
+    u
+}
+
+/// Parameter of the nearest point of a NURBS curve: of its ends, the samples, and the minima between samples where the
+/// derivative of the distance goes from negative to positive. Intervals that may have a nearer point, as far as chords and tangents tell, are
+/// halved, the widest first.
+fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
+    let count = SAMPLES + spline.degree;
+    let breaks = spline.breaks();
+    let mut parameters = Vec::with_capacity(count * breaks.len());
+    for pair in breaks.windows(2) {
+        parameters.extend((0..count).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64));
+    }
+    parameters.extend(breaks.last());
+    let rate = |u: f64| {
+        let [point, first, second] = spline.derivatives(u);
+        let offset = point - place;
+        [offset.dot(first), first.length_squared() + offset.dot(second)]
+    };
+    let sample = |u: f64| {
+        let [point, first, _] = spline.derivatives(u);
+        Sample {
+            u,
+            point,
+            distance: point.distance(place),
+            rate: (point - place).dot(first),
+            speed: first.length(),
+        }
+    };
+    let samples: Vec<Sample> = parameters.iter().map(|u| sample(*u)).collect();
+    let mut best = samples[0];
+    for sample in &samples {
+        if sample.distance < best.distance {
+            best = *sample;
+        }
+    }
+    let mut intervals: VecDeque<[Sample; 2]> = samples.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let mut splits = 0;
+    while let Some([before, after]) = intervals.pop_front() {
+        // At a fold the chord is short.
+        let tangent = before.speed.max(after.speed) * (after.u - before.u);
+        let reach = before.point.distance(after.point).max(tangent);
+        let least = before.distance.min(after.distance) - reach;
+        if least >= best.distance {
+            continue;
+        }
+        if before.rate < 0.0 && after.rate > 0.0 {
+            let share = before.rate / (before.rate - after.rate);
+            let found =
+                sample(rising_root([before.u, after.u], before.u + share * (after.u - before.u), rate));
+            if found.distance < best.distance {
+                best = found;
             }
-            (best, u)
-        });
-        polished.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, u)| u)
+        }
+        if splits < MAX_SPLITS && least < best.distance {
+            splits += 1;
+            let middle = sample(0.5 * (before.u + after.u));
+            intervals.extend([[before, middle], [middle, after]]);
+        }
+    }
+    best.u
+}
+
+/// A point of the curve.
+#[derive(Clone, Copy)]
+struct Sample {
+    u: f64,
+    point: DVec3,
+    distance: f64,
+    /// Of half the square of the distance, its derivative.
+    rate: f64,
+    /// Length of the first derivative.
+    speed: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::random::SplitMix;
+    use crate::curve::tests::every_kind;
+
+    #[test]
+    fn points_of_a_curve_come_back() {
+        let mut numbers = SplitMix(7);
+        for _ in 0..20 {
+            for (curve, [low, high]) in every_kind(&mut numbers) {
+                for _ in 0..20 {
+                    let u = numbers.between(low, high);
+                    let place = curve.point(u);
+                    let found = curve.invert(place, Some(u));
+                    assert!(
+                        curve.point(found).distance(place) < 1e-12 * (1.0 + place.length()),
+                        "{curve:?} {u}"
+                    );
+                    assert!((found - u).abs() < 1e-8, "{found} {u}: {curve:?}");
+                    let Some(period) = curve.period() else { continue };
+                    let far = curve.invert(place, Some(u + 3.2 * period));
+                    assert!((far - found - 3.0 * period).abs() < 1e-9);
+                    let free = curve.invert(place, None);
+                    assert!((0.0..=period).contains(&free));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_sample_is_nearer() {
+        let mut numbers = SplitMix(8);
+        for _ in 0..20 {
+            for (curve, [low, high]) in every_kind(&mut numbers) {
+                for scale in [0.1, 1.0, 5.0] {
+                    let place = scale * numbers.vector();
+                    let found = curve.point(curve.invert(place, None)).distance(place);
+                    for i in 0..=2000 {
+                        let sample = curve.point(low + (high - low) * f64::from(i) / 2000.0);
+                        assert!(found <= sample.distance(place) + 1e-12, "{curve:?} {place}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn axes_of_conics() {
+        let frame = crate::frame::Frame::default();
+        let ellipse = Curve::Ellipse { frame, radii: [2.0, 1.0] };
+        assert_eq!(ellipse.invert(DVec3::new(3.0, 0.0, 0.0), None), 0.0);
+        assert!((ellipse.invert(DVec3::new(0.3, 0.0, 0.0), None).cos() - 0.2).abs() < 1e-12);
+        assert!((ellipse.invert(DVec3::ZERO, None).cos()).abs() < 1e-12);
+        let parabola = Curve::Parabola { frame, focal_distance: 0.25 };
+        assert_eq!(parabola.invert(DVec3::new(0.2, 0.0, 0.0), None), 0.0);
+        assert!((parabola.invert(DVec3::new(1.5, 0.0, 0.0), None).abs() - 2.0).abs() < 1e-12);
     }
 }
