@@ -7,6 +7,7 @@
 //! | [`curve`] | lines, conics, NURBS curves |
 //! | [`surface`] | planes, quadrics, tori, surfaces of revolution and extrusion, NURBS surfaces |
 //! | [`trim`] | trimmed domains: trapezoidal maps |
+//! | [`tessellate`] | triangles of trimmed faces, for the screen |
 //! | [`face`] | trimmed surfaces |
 //! | [`model`] | parts of an assembly |
 //!
@@ -17,4 +18,5 @@ pub mod face;
 pub mod frame;
 pub mod model;
 pub mod surface;
+pub mod tessellate;
 pub mod trim;
