@@ -8,6 +8,7 @@
 //! | [`surface`] | planes, quadrics, tori, surfaces of revolution and extrusion, NURBS surfaces |
 //! | [`spline`] | Bézier pieces of NURBS surfaces, and where rays meet them |
 //! | [`trim`] | trimmed domains: trapezoidal maps |
+//! | [`tessellate`] | triangles of trimmed faces, for the screen |
 //! | [`face`] | trimmed surfaces |
 //! | [`model`] | parts of an assembly |
 //!
@@ -21,4 +22,5 @@ pub mod frame;
 pub mod model;
 pub mod spline;
 pub mod surface;
+pub mod tessellate;
 pub mod trim;
