@@ -9,6 +9,7 @@
 //! | [`trim`] | trimmed domains: trapezoidal maps |
 //! | [`face`] | trimmed surfaces |
 //! | [`model`] | parts of an assembly |
+//! | `step` | reader of STEP files; behind the feature `step` |
 //!
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
 
@@ -16,5 +17,7 @@ pub mod curve;
 pub mod face;
 pub mod frame;
 pub mod model;
+#[cfg(feature = "step")]
+pub mod step;
 pub mod surface;
 pub mod trim;

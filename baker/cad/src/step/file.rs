@@ -5,9 +5,9 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 use step_io::parser::{Attribute, RawEntity};
 
-/// Work that reading one file may cost: control points, samples, faces and occurrences copied. A file of any honest size stays
-/// far below; one that refers to the same large entity again and again does not.
-const BUDGET: u64 = 400_000_000;
+/// Work that reading a file may cost, of which control points, faces, samples and occurrences take their share: so much and so
+/// much more a byte. Honest files stay far below; one that refers to the same large entity again and again does not.
+const BUDGET: [u64; 2] = [20_000_000, 300];
 
 /// A file's records.
 pub(super) struct File {
@@ -33,6 +33,7 @@ impl File {
             .unwrap_or_else(|_| Err(StepError::Syntax("the parser failed on it".into())))?;
         #[cfg(target_family = "wasm")]
         let graph = parse()?;
+        let budget = BUDGET[0] + BUDGET[1] * bytes.len() as u64;
         let mut kinds = HashMap::<String, Vec<u64>>::new();
         for (&id, record) in &graph.entities {
             let mut name = |name: &String| match kinds.get_mut(name) {
@@ -52,7 +53,7 @@ impl File {
                 }
             }
         }
-        Ok(Self { records: graph.entities, kinds, budget: Cell::new(BUDGET) })
+        Ok(Self { records: graph.entities, kinds, budget: Cell::new(budget) })
     }
 
     /// Takes work from the budget.

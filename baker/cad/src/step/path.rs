@@ -36,6 +36,11 @@ impl Path {
         Self { pieces: vec![Piece { curve, from: 0.0, to: 1.0 }] }
     }
 
+    /// One piece.
+    pub fn single(piece: Piece) -> Self {
+        Self { pieces: vec![piece] }
+    }
+
     /// The pieces.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces

@@ -14,6 +14,9 @@ pub(super) const TOLERANCE: f64 = 1e-5;
 /// What counts as straight, relative to the tolerance.
 const STRAIGHT: f64 = 1e-3;
 
+/// Work of a sample.
+const SAMPLE: usize = 10;
+
 /// Halvings of the distance between two samples.
 const DEEPEST: usize = 16;
 
@@ -135,7 +138,7 @@ struct Sampling<'a> {
 impl Sampling<'_> {
     /// Parameters at s, of a period's turns those nearest to `near`.
     fn at(&self, s: f64, near: Option<DVec2>) -> Read<DVec2> {
-        self.mapper.file.spend(1)?;
+        self.mapper.file.spend(SAMPLE)?;
         let mut at = match self.pcurve {
             Some(pcurve) => pcurve.at(self.path, s),
             None => self.mapper.surface.invert(self.path.point(s), near),
