@@ -42,7 +42,8 @@ pub(super) struct Geometry<'a> {
 impl Geometry<'_> {
     /// A cartesian point, metres; in a parameter plane z is 0.
     pub fn point(&self, id: u64) -> Read<DVec3> {
-        Ok(self.units.length * self.triple(id, "CARTESIAN_POINT")?)
+        let place = self.units.length * self.triple(id, "CARTESIAN_POINT")?;
+        if place.is_finite() { Ok(place) } else { Err(broken(id)) }
     }
 
     /// A direction, not always of unit length.

@@ -24,7 +24,7 @@ pub(super) struct Fields<'a> {
 }
 
 impl File {
-    /// Parses the text. The parser is written not to panic; should it do so all the same, that is caught here and only here
+    /// Parses the text; numbers beyond double precision are refused. The parser is written not to panic; should it do so all the same, that is caught here and only here
     /// (not under WebAssembly, where a panic ends the program).
     pub fn parse(bytes: &[u8]) -> Result<Self, StepError> {
         let parse = || step_io::parser::parse(bytes).map_err(|error| StepError::Syntax(error.to_string()));
@@ -41,16 +41,8 @@ impl File {
                 None => drop(kinds.insert(name.clone(), vec![id])),
             };
             match record {
-                RawEntity::Simple { name: kind, attributes, .. } => {
-                    name(kind);
-                    check_finite(id, attributes)?;
-                }
-                RawEntity::Complex { parts, .. } => {
-                    for part in parts {
-                        name(&part.name);
-                        check_finite(id, &part.attributes)?;
-                    }
-                }
+                RawEntity::Simple { name: kind, .. } => name(kind),
+                RawEntity::Complex { parts, .. } => parts.iter().for_each(|part| name(&part.name)),
             }
         }
         Ok(Self { records: graph.entities, kinds, budget: Cell::new(budget) })
@@ -165,18 +157,6 @@ pub(super) fn spoken(kind: &str) -> String {
 /// What a record says cannot be.
 pub(super) fn broken(id: u64) -> Flaw {
     Flaw::Unread(format!("#{id} has attributes missing or of the wrong kind"))
-}
-
-fn check_finite(id: u64, attributes: &[Attribute]) -> Result<(), StepError> {
-    for attribute in attributes {
-        match attribute {
-            Attribute::Real(value) if !value.is_finite() => return Err(StepError::NotFinite(id)),
-            Attribute::List(list) => check_finite(id, list)?,
-            Attribute::Typed { value, .. } => check_finite(id, std::slice::from_ref(value))?,
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 /// What a typed value holds.

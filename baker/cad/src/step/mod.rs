@@ -37,12 +37,9 @@ use std::collections::BTreeMap;
 /// Why a file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StepError {
-    /// It does not follow ISO 10303-21.
+    /// It does not follow ISO 10303-21, or has a number beyond double precision.
     #[error("not a STEP file that can be read ({0}): export it again as AP203, AP214 or AP242")]
     Syntax(String),
-    /// A number that is infinite or not a number, in the entity of this number.
-    #[error("entity #{0} has a number beyond double precision: correct or remove it")]
-    NotFinite(u64),
     /// An assembly that contains itself.
     #[error("the assembly {0:?} contains itself: export it again without that occurrence")]
     Cycle(String),
