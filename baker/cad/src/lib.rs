@@ -4,13 +4,16 @@
 //! | module | what it has |
 //! |---|---|
 //! | [`frame`] | placements |
+//! | [`basis`] | B-spline basis functions |
 //! | [`curve`] | lines, conics, NURBS curves |
 //! | [`surface`] | planes, quadrics, tori, surfaces of revolution and extrusion, NURBS surfaces |
 //! | [`spline`] | Bézier pieces of NURBS surfaces, and where rays meet them |
 //! | [`trim`] | trimmed domains: trapezoidal maps |
-//! | [`tessellate`] | triangles of trimmed faces, for the screen |
 //! | [`face`] | trimmed surfaces |
+//! | [`cast`] | faces cut into pieces for rays |
+//! | [`tessellate`] | triangles of faces, for the screen |
 //! | [`model`] | parts of an assembly |
+//! | `step` | reader of STEP files; with the feature `step` |
 //!
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
 
@@ -21,6 +24,8 @@ pub mod face;
 pub mod frame;
 pub mod model;
 pub mod spline;
+#[cfg(feature = "step")]
+pub mod step;
 pub mod surface;
 pub mod tessellate;
 pub mod trim;
