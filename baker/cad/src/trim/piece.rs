@@ -1,0 +1,126 @@
+//! Piece of a trimming curve, monotonic in u and in v.
+
+use super::{QUADRANT_TOLERANCE, TrimEdge, ellipse_point};
+use glam::DVec2;
+use std::f64::consts::FRAC_PI_2;
+
+/// The graph of a monotonic function v(u). Whichever way an edge goes, and whatever else crosses it, its pieces are the same
+/// to the last bit: domains that share an edge agree at it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Ends in u, ascending.
+    pub u: [f64; 2],
+    /// v at the ends.
+    pub v: [f64; 2],
+    /// What lies between.
+    curve: Curve,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Curve {
+    Segment,
+    /// The radius along v is negative for the lower half.
+    Arc {
+        centre: DVec2,
+        radii: DVec2,
+    },
+}
+
+/// A segment of the boundary with one u: no function of it, and never below a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertical {
+    pub u: f64,
+    /// Ends in v, ascending.
+    pub v: [f64; 2],
+}
+
+/// Pieces and vertical segments of an edge.
+pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<Piece>, verticals: &mut Vec<Vertical>) {
+    match *edge {
+        TrimEdge::Segment { from, to } => push(from, to, Curve::Segment, pieces, verticals),
+        TrimEdge::Arc { centre, radii, angles } => {
+            let (low, high) = (angles[0].min(angles[1]), angles[0].max(angles[1]));
+            let mut begin = low;
+            // At the extrema in u (sin t = 0) and in v (cos t = 0).
+            let mut quarter = ((low + QUADRANT_TOLERANCE) / FRAC_PI_2).floor() + 1.0;
+            loop {
+                let extremum = quarter * FRAC_PI_2;
+                let end = if extremum < high - QUADRANT_TOLERANCE { extremum } else { high };
+                let is_upper = (0.5 * (begin + end)).sin() > 0.0;
+                let radii = if is_upper { radii } else { DVec2::new(radii.x, -radii.y) };
+                let at = |angle| ellipse_point(centre, radii.abs(), angle);
+                push(at(begin), at(end), Curve::Arc { centre, radii }, pieces, verticals);
+                if end >= high {
+                    break;
+                }
+                begin = end;
+                quarter += 1.0;
+            }
+        }
+    }
+}
+
+fn push(a: DVec2, b: DVec2, curve: Curve, pieces: &mut Vec<Piece>, verticals: &mut Vec<Vertical>) {
+    if a.x == b.x {
+        if a.y != b.y {
+            verticals.push(Vertical { u: a.x, v: [a.y.min(b.y), a.y.max(b.y)] });
+        }
+    } else {
+        let (a, b) = if a.x < b.x { (a, b) } else { (b, a) };
+        pieces.push(Piece { u: [a.x, b.x], v: [a.y, b.y], curve });
+    }
+}
+
+impl Piece {
+    /// v at a u between the ends.
+    pub fn v_at(&self, u: f64) -> f64 {
+        let v = match self.curve {
+            Curve::Segment => {
+                self.v[0] + (self.v[1] - self.v[0]) * ((u - self.u[0]) / (self.u[1] - self.u[0]))
+            }
+            Curve::Arc { centre, radii } => {
+                let x = (u - centre.x) / radii.x;
+                centre.y + radii.y * ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()
+            }
+        };
+        v.max(self.v[0].min(self.v[1])).min(self.v[0].max(self.v[1]))
+    }
+
+    /// Least and greatest v.
+    pub fn v_range(&self) -> [f64; 2] {
+        [self.v[0].min(self.v[1]), self.v[0].max(self.v[1])]
+    }
+
+    /// dv/du; infinite where an arc is vertical.
+    pub fn slope_at(&self, u: f64) -> f64 {
+        match self.curve {
+            Curve::Segment => (self.v[1] - self.v[0]) / (self.u[1] - self.u[0]),
+            Curve::Arc { centre, radii } => {
+                let x = (u - centre.x) / radii.x;
+                -radii.y / radii.x * x / ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()
+            }
+        }
+    }
+
+    /// ∫ (v - v₀) du from a to b, between the ends.
+    pub fn integral(&self, a: f64, b: f64, origin: f64) -> f64 {
+        match self.curve {
+            Curve::Segment => (0.5 * (self.v_at(a) + self.v_at(b)) - origin) * (b - a),
+            Curve::Arc { centre, radii } => {
+                let antiderivative = |u: f64| {
+                    let x = ((u - centre.x) / radii.x).clamp(-1.0, 1.0);
+                    0.5 * radii.x * radii.y * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.asin())
+                };
+                (centre.y - origin) * (b - a) + antiderivative(b) - antiderivative(a)
+            }
+        }
+    }
+
+    /// Whether the pieces lie on one curve: they cross nowhere.
+    pub fn is_on_curve_of(&self, other: &Self) -> bool {
+        match (self.curve, other.curve) {
+            (Curve::Segment, Curve::Segment) => self.u == other.u && self.v == other.v,
+            (a, b) => a == b,
+        }
+    }
+}
