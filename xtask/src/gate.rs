@@ -41,14 +41,16 @@ fn format() -> Result<()> {
 
 /// Compiler and Clippy, with warnings denied.
 fn lints() -> Result<()> {
-    let clippy = ["clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings"];
-    process::run(process::cargo().args(clippy))
+    let mut command = process::cargo();
+    command.args(["clippy", "--locked", "--workspace", "--features", "rebounce-cad/step", "--all-targets"]);
+    process::run(command.args(["--", "--deny", "warnings"]))
 }
 
 /// Documentation of the code, with warnings denied: missing pages and dead links.
 fn rustdoc() -> Result<()> {
     let mut command = process::cargo();
-    command.args(["doc", "--locked", "--workspace", "--no-deps", "--document-private-items"]);
+    command.args(["doc", "--locked", "--workspace", "--features", "rebounce-cad/step"]);
+    command.args(["--no-deps", "--document-private-items"]);
     process::run(command.env("RUSTDOCFLAGS", "--deny warnings"))
 }
 

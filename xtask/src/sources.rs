@@ -5,8 +5,8 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
 /// The checked crates.
-pub const CRATES: [&str; 7] =
-    ["shared", "baker", "baker/args", "baker/cli", "baker/wasm", "viewer", "viewer/three"];
+pub const CRATES: [&str; 8] =
+    ["shared", "baker", "baker/args", "baker/cad", "baker/cli", "baker/wasm", "viewer", "viewer/three"];
 
 /// The source folder of a crate.
 pub fn of(name: &str) -> PathBuf {

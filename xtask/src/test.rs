@@ -74,11 +74,14 @@ pub fn run(args: &[String]) -> Result<()> {
     checked.and(native).and(wasm.map(drop)).and(browser)
 }
 
+/// The reader of STEP files, which crates without it need not compile.
+const STEP: &str = "rebounce-cad/step";
+
 /// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
 /// tests.
 fn native(options: &[&str]) -> Result<()> {
     let mut command = process::cargo();
-    command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
+    command.args(["test", "--locked", "--workspace", "--features", STEP, "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }

@@ -8,7 +8,7 @@
 use crate::curve::Curve;
 use crate::face::Face;
 use crate::spline::{BezierPatch, patches};
-use crate::surface::{Meeting, Meetings, NurbsSurface, Ray, Surface};
+use crate::surface::{NurbsSurface, Ray, Surface, SurfaceHit, SurfaceHits};
 use crate::trim::{Coverage, TrapezoidalMap, TrimError};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -96,33 +96,33 @@ impl CastFace {
     }
 
     /// The nearest meeting of a ray with a piece, at distances from the first to the second.
-    pub fn nearest(&self, piece: &FacePiece, ray: &Ray, distances: [f64; 2]) -> Option<Meeting> {
-        let belongs = |meeting: &Meeting| piece.is_plain || self.map.contains(meeting.at);
+    pub fn nearest(&self, piece: &FacePiece, ray: &Ray, distances: [f64; 2]) -> Option<SurfaceHit> {
+        let belongs = |meeting: &SurfaceHit| piece.is_plain || self.map.contains(meeting.at);
         match &piece.shape {
             PieceShape::Patch(patch) => {
-                let mut found = Meetings::default();
+                let mut found = SurfaceHits::default();
                 self.surface.meet(ray, patch, distances, &mut found);
                 found.iter().copied().find(belongs)
             }
             PieceShape::Bezier(patch) => Self::first(patch, ray, distances, |meeting| meeting).find(belongs),
             PieceShape::Swept(patch) => {
-                let exact = |meeting: Meeting| {
+                let exact = |meeting: SurfaceHit| {
                     let place = ray.origin + meeting.distance * ray.direction;
                     let at = self.surface.invert(place, Some(meeting.at));
-                    Meeting { at, ..meeting }
+                    SurfaceHit { at, ..meeting }
                 };
                 Self::first(patch, ray, distances, exact).find(belongs)
             }
         }
     }
 
-    /// Meetings with a Bézier patch, near ones first.
+    /// SurfaceHits with a Bézier patch, near ones first.
     fn first(
         patch: &BezierPatch,
         ray: &Ray,
         distances: [f64; 2],
-        exact: impl Fn(Meeting) -> Meeting,
-    ) -> impl Iterator<Item = Meeting> {
+        exact: impl Fn(SurfaceHit) -> SurfaceHit,
+    ) -> impl Iterator<Item = SurfaceHit> {
         let mut found = Vec::new();
         patch.meet(ray, distances, &mut found);
         found.sort_by(|a, b| a.distance.total_cmp(&b.distance));

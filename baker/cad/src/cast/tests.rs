@@ -4,7 +4,7 @@ use super::CastFace;
 use crate::curve::Curve;
 use crate::face::Face;
 use crate::frame::Frame;
-use crate::surface::{Meeting, Ray, Surface};
+use crate::surface::{Ray, Surface, SurfaceHit};
 use crate::trim::TrimEdge;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -46,7 +46,7 @@ fn face(surface: Surface, low: DVec2, high: DVec2, hole: Option<(DVec2, f64)>) -
 }
 
 /// The nearest meeting of all pieces; all of them are looked at.
-fn nearest(face: &Face, rays: &[Ray]) -> Vec<Option<(Meeting, DVec3)>> {
+fn nearest(face: &Face, rays: &[Ray]) -> Vec<Option<(SurfaceHit, DVec3)>> {
     let (cast, pieces) = CastFace::new(face).unwrap();
     let of = |ray: &Ray| {
         let found = pieces.iter().filter_map(|piece| cast.nearest(piece, ray, [0.0, f64::INFINITY]));

@@ -2,7 +2,7 @@
 
 use super::bezier_patch::BezierPatch;
 use super::roots::PlaneNet;
-use crate::surface::{Meeting, Ray};
+use crate::surface::{Ray, SurfaceHit};
 use glam::{DVec2, DVec3, DVec4};
 
 /// How near the ray must pass, in multiples of the patch's size, to touch it where nothing tells it from a touch.
@@ -15,14 +15,14 @@ impl BezierPatch {
     /// Adds all meetings of a ray with the patch, borders included, at distances from the first to the second.
     ///
     /// Two planes through the ray turn its meetings into the roots of two polynomials in u and v, a · (P - w O) = 0 for both
-    /// normals a (Kajiya 1982), which [`PlaneNet::roots`] finds by subdivision. Meetings are within 10⁻¹¹ of the patch's size of
+    /// normals a (Kajiya 1982), which [`PlaneNet::roots`] finds by subdivision. SurfaceHits are within 10⁻¹¹ of the patch's size of
     /// the ray, or within rounding errors where those are larger (a ray from afar). A ray that touches the patch, or passes it
     /// by less than 10⁻¹² of its size, meets it once; one that runs within it, at some points. Poles, where an edge is one
     /// point, are met once.
     ///
     /// `found` may hold meetings of other patches of the same surface, and of no other: what lies on the patch's border at the
     /// distance of one of those is that one.
-    pub fn meet(&self, ray: &Ray, distances: [f64; 2], found: &mut Vec<Meeting>) {
+    pub fn meet(&self, ray: &Ray, distances: [f64; 2], found: &mut Vec<SurfaceHit>) {
         let Some(view) = View::new(self, ray) else { return };
         let may_meet = view.depths[0] <= distances[1] && view.depths[1] >= distances[0];
         if !may_meet {
@@ -41,7 +41,7 @@ impl BezierPatch {
             }
             // Exact at both ends.
             let at = self.range[0] * (1.0 - unit) + self.range[1] * unit;
-            found.push(Meeting { distance, at });
+            found.push(SurfaceHit { distance, at });
         }
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-fn meet_all(patches: &[BezierPatch], ray: &Ray, distances: [f64; 2]) -> Vec<Meeting> {
+fn meet_all(patches: &[BezierPatch], ray: &Ray, distances: [f64; 2]) -> Vec<SurfaceHit> {
     let mut found = Vec::new();
     for patch in patches {
         patch.meet(ray, distances, &mut found);
@@ -19,7 +19,7 @@ fn meet_all(patches: &[BezierPatch], ray: &Ray, distances: [f64; 2]) -> Vec<Meet
 }
 
 /// The largest distance of meetings between the point of the ray and that of the surface.
-fn gap(surface: &NurbsSurface, ray: &Ray, found: &[Meeting]) -> f64 {
+fn gap(surface: &NurbsSurface, ray: &Ray, found: &[SurfaceHit]) -> f64 {
     found.iter().fold(0.0, |gap, meeting| {
         let place = ray.origin + meeting.distance * ray.direction;
         gap.max(place.distance(surface.derivatives(meeting.at)[0]))

@@ -3,6 +3,7 @@
 pub mod bezier_patch;
 pub(crate) mod inversion;
 pub mod meet;
+mod over_surface;
 pub mod roots;
 #[cfg(test)]
 pub(crate) mod samples;

@@ -103,7 +103,7 @@ impl Geometry<'_> {
 
     fn nested_curve(&self, id: u64, depth: usize) -> Read<Curve> {
         if depth > DEEPEST {
-            return Err(Flaw::Unread(format!("#{id} refers to curves nested too deep")));
+            return Err(Flaw::UnreadAt(id, "curves are nested too deep".into()));
         }
         let kind = self.file.kind(id, &CURVES)?;
         let fields = self.file.expect(id, kind)?;

@@ -83,7 +83,7 @@ impl File {
                 let longest = || parts.iter().map(|part| part.name.as_str()).max_by_key(|name| name.len());
                 name.copied().or_else(longest).ok_or_else(|| broken(id))
             }
-            None => Err(Flaw::Unread(format!("the file has no #{id} though it refers to it"))),
+            None => Err(Flaw::UnreadAt(id, "an entity is missing".into())),
         }
     }
 
@@ -112,7 +112,8 @@ impl File {
 
     /// The attributes of a record that should be of this type.
     pub fn expect(&self, id: u64, kind: &str) -> Read<Fields<'_>> {
-        self.fields(id, kind).ok_or_else(|| Flaw::Unread(format!("#{id} is not a {}", spoken(kind))))
+        self.fields(id, kind)
+            .ok_or_else(|| Flaw::UnreadAt(id, format!("an entity is not the {} it should be", spoken(kind))))
     }
 
     /// The attributes of a record whatever its type; of several parts all in a row.
@@ -158,7 +159,7 @@ pub(super) fn spoken(kind: &str) -> String {
 
 /// What a record says cannot be.
 pub(super) fn broken(id: u64) -> Flaw {
-    Flaw::Unread(format!("#{id} has attributes missing or of the wrong kind"))
+    Flaw::UnreadAt(id, "attributes are missing or of the wrong kind".into())
 }
 
 /// What a typed value holds.

@@ -157,15 +157,6 @@ fn closed(polygon: &[DVec2]) -> TrimLoop {
     polygon.iter().zip(next).map(|(&from, &to)| TrimEdge::Segment { from, to }).collect()
 }
 
-fn ends(edge: &TrimEdge) -> [DVec2; 2] {
-    match *edge {
-        TrimEdge::Segment { from, to } => [from, to],
-        TrimEdge::Arc { centre, radii, angles } => {
-            angles.map(|angle| centre + radii * DVec2::from_angle(angle))
-        }
-    }
-}
-
 /// Closes gaps: small ones by moving ends of segments, others by segments between.
 fn joined(edges: TrimLoop, small: f64) -> TrimLoop {
     let mut edges = edges;
@@ -173,7 +164,7 @@ fn joined(edges: TrimLoop, small: f64) -> TrimLoop {
     let mut joints = vec![None; count];
     for at in 0..count {
         let next = (at + 1) % count;
-        let ([_, end], [start, _]) = (ends(&edges[at]), ends(&edges[next]));
+        let ([_, end], [start, _]) = (edges[at].ends(), edges[next].ends());
         // A whole circle ends where it begins but for rounding.
         if end == start || (at == next && end.distance(start) <= small) {
             continue;
@@ -205,7 +196,7 @@ fn ring(mapper: &Mapper<'_>, strands: Vec<Strand>) -> Option<Ring> {
     let mut points: Vec<DVec2> = Vec::new();
     let mut pole_before = None;
     let is_near = |a: DVec2, b: DVec2| {
-        let [_, along_u, along_v] = mapper.surface.derivatives(a);
+        let [_, along_u, along_v] = mapper.surface.derivatives(mapper.domain.within(a));
         ((a.x - b.x) * along_u).length() + ((a.y - b.y) * along_v).length() <= small
     };
     // What brings `start` to where the line so far ends.

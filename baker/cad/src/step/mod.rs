@@ -62,6 +62,8 @@ pub enum StepError {
 enum Flaw {
     /// It is left out: a note says so.
     Unread(String),
+    /// It is left out, because of the entity of this number.
+    UnreadAt(u64, String),
     /// The file is refused.
     Stop(StepError),
 }
@@ -72,24 +74,53 @@ impl From<StepError> for Flaw {
     }
 }
 
+impl Flaw {
+    /// The reason for a note, and the entity that is at fault if one is; else the error.
+    fn reason(self) -> Result<(String, Option<u64>), StepError> {
+        match self {
+            Self::Unread(why) => Ok((why, None)),
+            Self::UnreadAt(id, why) => Ok((why, Some(id))),
+            Self::Stop(error) => Err(error),
+        }
+    }
+}
+
 /// What reading an item gives.
 type Read<T> = Result<T, Flaw>;
 
 /// Notes, the same ones counted.
 #[derive(Default)]
-struct Notes(BTreeMap<(String, String), (usize, &'static str)>);
+struct Notes(BTreeMap<(String, String), Count>);
+
+/// How often the same is noted, of what, and the first entity at fault.
+struct Count {
+    count: usize,
+    thing: &'static str,
+    first: Option<u64>,
+}
 
 impl Notes {
     /// One more `thing` of `owner` is left out.
     fn add(&mut self, thing: &'static str, owner: &str, why: &str) {
-        self.0.entry((owner.to_owned(), why.to_owned())).or_insert((0, thing)).0 += 1;
+        self.add_at(thing, owner, why, None);
+    }
+
+    /// The same, because of an entity.
+    fn add_at(&mut self, thing: &'static str, owner: &str, why: &str, at: Option<u64>) {
+        let key = (owner.to_owned(), why.to_owned());
+        self.0.entry(key).or_insert(Count { count: 0, thing, first: at }).count += 1;
     }
 
     fn sentences(self) -> Vec<String> {
-        let sentence = |((owner, why), (count, thing)): ((String, String), (usize, &str))| {
-            let plural = if count == 1 { "" } else { "s" };
+        let sentence = |((owner, why), Count { count, thing, first }): ((String, String), Count)| {
+            let plural = match (count, thing.strip_suffix('y')) {
+                (1, _) => thing.to_owned(),
+                (_, Some(stem)) => format!("{stem}ies"),
+                (_, None) => format!("{thing}s"),
+            };
             let owner = if owner.is_empty() { "the file".to_owned() } else { format!("{owner:?}") };
-            format!("{count} {thing}{plural} of {owner}: {why}")
+            let first = first.map(|id| format!(" (#{id})")).unwrap_or_default();
+            format!("{count} {plural} of {owner}: {why}{first}")
         };
         self.0.into_iter().map(sentence).collect()
     }

@@ -10,12 +10,12 @@ use std::rc::Rc;
 /// Curves run one after the other. Its parameter s is 0 at the beginning and counts the pieces.
 #[derive(Clone)]
 pub(super) struct Path {
-    pieces: Vec<Piece>,
+    pieces: Vec<PathSegment>,
 }
 
 /// A part of a curve, run from one parameter to the other; the second may be the smaller.
 #[derive(Clone)]
-pub(super) struct Piece {
+pub(super) struct PathSegment {
     pub curve: Rc<Curve>,
     pub from: f64,
     pub to: f64,
@@ -33,16 +33,16 @@ impl Path {
     /// A straight one.
     pub fn straight(from: DVec3, to: DVec3) -> Self {
         let curve = Rc::new(Curve::Line { origin: from, direction: to - from });
-        Self { pieces: vec![Piece { curve, from: 0.0, to: 1.0 }] }
+        Self { pieces: vec![PathSegment { curve, from: 0.0, to: 1.0 }] }
     }
 
     /// One piece.
-    pub fn single(piece: Piece) -> Self {
+    pub fn single(piece: PathSegment) -> Self {
         Self { pieces: vec![piece] }
     }
 
     /// The pieces.
-    pub fn pieces(&self) -> &[Piece] {
+    pub fn pieces(&self) -> &[PathSegment] {
         &self.pieces
     }
 
@@ -52,9 +52,9 @@ impl Path {
     }
 
     /// The piece and the parameter of its curve at s.
-    pub fn at(&self, s: f64) -> (&Piece, f64) {
+    pub fn at(&self, s: f64) -> (&PathSegment, f64) {
         let piece = (s.max(0.0) as usize).min(self.pieces.len() - 1);
-        let Piece { from, to, .. } = self.pieces[piece];
+        let PathSegment { from, to, .. } = self.pieces[piece];
         let along = s - piece as f64;
         // Both ends exactly.
         (&self.pieces[piece], if along == 1.0 { to } else { from + along * (to - from) })
@@ -68,14 +68,15 @@ impl Path {
 
     /// Run the other way.
     pub fn reversed(&self) -> Self {
-        let reversed = |piece: &Piece| Piece { curve: piece.curve.clone(), from: piece.to, to: piece.from };
+        let reversed =
+            |piece: &PathSegment| PathSegment { curve: piece.curve.clone(), from: piece.to, to: piece.from };
         Self { pieces: self.pieces.iter().rev().map(reversed).collect() }
     }
 
     /// Values of s, ascending from 0 to the end, between which the curve is smooth and turns little: knots, or eighths.
     pub fn breaks(&self) -> Vec<f64> {
         let mut breaks = vec![0.0];
-        for (at, Piece { curve, from, to }) in self.pieces.iter().enumerate() {
+        for (at, PathSegment { curve, from, to }) in self.pieces.iter().enumerate() {
             let mut own: Vec<f64> = match &**curve {
                 Curve::Line { .. } => Vec::new(),
                 Curve::Nurbs(nurbs) => nurbs.knots.iter().map(|knot| (knot - from) / (to - from)).collect(),
@@ -96,10 +97,10 @@ impl Path {
     /// Values of s strictly within the path where it comes nearest to a place, one a piece, and joints.
     pub fn nearest(&self, place: DVec3) -> Vec<f64> {
         let mut found: Vec<f64> = (1..self.pieces.len()).map(|joint| joint as f64).collect();
-        for (at, Piece { curve, from, to }) in self.pieces.iter().enumerate() {
+        for (at, PathSegment { curve, from, to }) in self.pieces.iter().enumerate() {
             let t = curve.invert(place, Some(0.5 * (from + to)));
             let along = (t - from) / (to - from);
-            let turn = period(curve).map_or(0.0, |period| period / (to - from));
+            let turn = curve.period().map_or(0.0, |period| period / (to - from));
             for along in [along, along - turn, along + turn] {
                 if along > 1e-9 && along < 1.0 - 1e-9 {
                     found.push(at as f64 + along);
@@ -119,13 +120,7 @@ fn period(curve: &Curve) -> Option<f64> {
 
 /// Beginning and end of a B-spline's parameters.
 fn domain(curve: &Curve) -> Option<[f64; 2]> {
-    match curve {
-        Curve::Nurbs(nurbs) => {
-            let ends = [nurbs.degree, nurbs.knots.len() - 1 - nurbs.degree];
-            Some(ends.map(|at| nurbs.knots[at]))
-        }
-        _ => None,
-    }
+    if let Curve::Nurbs(nurbs) = curve { Some(nurbs.domain()) } else { None }
 }
 
 /// A length that tells what is near on a curve; 0 for unbounded ones.
@@ -182,9 +177,9 @@ impl Geometry<'_> {
     }
 
     /// The pieces of a composite curve, or `None` if it is another curve.
-    fn composite(&self, id: u64, depth: usize) -> Read<Option<Vec<Piece>>> {
+    fn composite(&self, id: u64, depth: usize) -> Read<Option<Vec<PathSegment>>> {
         if depth > DEEPEST {
-            return Err(Flaw::Unread(format!("#{id} refers to curves nested too deep")));
+            return Err(Flaw::UnreadAt(id, "curves are nested too deep".into()));
         }
         for kind in ["SURFACE_CURVE", "SEAM_CURVE", "INTERSECTION_CURVE"] {
             if let Some(fields) = self.file.fields(id, kind) {
@@ -209,11 +204,11 @@ impl Geometry<'_> {
     }
 
     /// A curve with ends of its own.
-    fn bounded(&self, id: u64) -> Read<Vec<Piece>> {
+    fn bounded(&self, id: u64) -> Read<Vec<PathSegment>> {
         let curve = self.curve(id)?;
         let Some(fields) = self.file.fields(id, "TRIMMED_CURVE") else {
             let [from, to] = domain(&curve).ok_or_else(|| broken(id))?;
-            return Ok(vec![Piece { curve: Rc::new(curve), from, to }]);
+            return Ok(vec![PathSegment { curve: Rc::new(curve), from, to }]);
         };
         // `curve` has taken the sense of the trimmed curve, and runs from the first place to the second.
         let sign = if fields.flag(4) { 1.0 } else { -1.0 };
@@ -233,10 +228,10 @@ impl Geometry<'_> {
 
 /// The part of a curve from one place to another in its direction; all of a closed curve if they are the same. `None` if there is
 /// no length between.
-fn between(curve: Rc<Curve>, a: DVec3, b: DVec3, same_vertex: bool) -> Option<Vec<Piece>> {
+fn between(curve: Rc<Curve>, a: DVec3, b: DVec3, same_vertex: bool) -> Option<Vec<PathSegment>> {
     let extent = extent(&curve);
     let is_whole = same_vertex || a.distance(b) <= 1e-7 * extent;
-    let piece = |from: f64, to: f64| Piece { curve: curve.clone(), from, to };
+    let piece = |from: f64, to: f64| PathSegment { curve: curve.clone(), from, to };
     let from = curve.invert(a, None);
     if let Some(period) = period(&curve) {
         if is_whole {
@@ -264,7 +259,7 @@ fn between(curve: Rc<Curve>, a: DVec3, b: DVec3, same_vertex: bool) -> Option<Ve
 }
 
 /// A composite curve run from `a` to `b`, if these are its ends.
-fn fit_composite(id: u64, pieces: Vec<Piece>, a: DVec3, b: DVec3) -> Read<Vec<Piece>> {
+fn fit_composite(id: u64, pieces: Vec<PathSegment>, a: DVec3, b: DVec3) -> Read<Vec<PathSegment>> {
     let path = Path { pieces };
     let (start, end) = (path.point(0.0), path.point(path.end()));
     let middle = path.point(0.5 * path.end());
@@ -272,6 +267,6 @@ fn fit_composite(id: u64, pieces: Vec<Piece>, a: DVec3, b: DVec3) -> Read<Vec<Pi
     if start.distance(a) <= near && end.distance(b) <= near {
         Ok(path.pieces)
     } else {
-        Err(Flaw::Unread(format!("#{id}: edges that are parts of composite curves are not read")))
+        Err(Flaw::UnreadAt(id, "edges that are parts of composite curves are not read".into()))
     }
 }

@@ -220,7 +220,7 @@ const LEFT: bool = false;
 const RIGHT: bool = true;
 
 /// Part of a loop from side to side.
-struct Part {
+struct LoopPart {
     points: Vec<DVec2>,
     ends: [End; 2],
 }
@@ -231,9 +231,8 @@ fn cut(rings: &[Ring], period: f64, line: f64, poles: &[f64]) -> Read<Vec<Ring>>
     let mut parts = Vec::new();
     let mut closed = Vec::new();
     for ring in rings {
-        match cut_ring(ring, period, line, &mut crossings, &mut parts)? {
-            Some(points) => closed.push(Ring { points, turns: [0; 2] }),
-            None => {}
+        if let Some(points) = cut_ring(ring, period, line, &mut crossings, &mut parts)? {
+            closed.push(Ring { points, turns: [0; 2] });
         }
     }
     let mut order: Vec<usize> = (0..crossings.len()).collect();
@@ -253,13 +252,13 @@ fn cut(rings: &[Ring], period: f64, line: f64, poles: &[f64]) -> Read<Vec<Ring>>
         if has_all && (is_odd == (ends == 1)) {
             if let Some(v) = low {
                 let points = vec![DVec2::new(left, v), DVec2::new(right, v)];
-                parts.push(Part { points, ends: [(LEFT, crossings.len()), (RIGHT, crossings.len())] });
+                parts.push(LoopPart { points, ends: [(LEFT, crossings.len()), (RIGHT, crossings.len())] });
                 order.insert(0, crossings.len());
                 crossings.push(Crossing { v, rightward: true });
             }
             if let Some(v) = high {
                 let points = vec![DVec2::new(right, v), DVec2::new(left, v)];
-                parts.push(Part { points, ends: [(RIGHT, crossings.len()), (LEFT, crossings.len())] });
+                parts.push(LoopPart { points, ends: [(RIGHT, crossings.len()), (LEFT, crossings.len())] });
                 order.push(crossings.len());
                 crossings.push(Crossing { v, rightward: false });
             }
@@ -272,7 +271,7 @@ fn cut(rings: &[Ring], period: f64, line: f64, poles: &[f64]) -> Read<Vec<Ring>>
         for (side, u) in [(RIGHT, right), (LEFT, left)] {
             let [from, to] = if side == RIGHT { [begin, end] } else { [end, begin] };
             let points = [from, to].map(|at| DVec2::new(u, crossings[at].v)).to_vec();
-            parts.push(Part { points, ends: [(side, from), (side, to)] });
+            parts.push(LoopPart { points, ends: [(side, from), (side, to)] });
         }
     }
     closed.extend(stitch(parts).ok_or_else(unclosed)?);
@@ -285,7 +284,7 @@ fn cut_ring(
     period: f64,
     line: f64,
     crossings: &mut Vec<Crossing>,
-    parts: &mut Vec<Part>,
+    parts: &mut Vec<LoopPart>,
 ) -> Read<Option<Vec<DVec2>>> {
     let cell = |at: DVec2| ((at.x - line) / period + 1e-9).floor();
     let moved = |at: DVec2, cell: f64| DVec2::new((at.x - cell * period).clamp(line, line + period), at.y);
@@ -311,7 +310,7 @@ fn cut_ring(
             let part = std::mem::replace(&mut points, vec![side(start)]);
             let at = crossings.len();
             match begin {
-                Some(begin) => parts.push(Part { points: part, ends: [begin, (end, at)] }),
+                Some(begin) => parts.push(LoopPart { points: part, ends: [begin, (end, at)] }),
                 None => head = Some((part, (end, at))),
             }
             begin = Some((start, at));
@@ -322,14 +321,14 @@ fn cut_ring(
     }
     if let (Some(begin), Some((head, end))) = (begin, head) {
         points.extend(head.into_iter().skip(1));
-        parts.push(Part { points, ends: [begin, end] });
+        parts.push(LoopPart { points, ends: [begin, end] });
         return Ok(None);
     }
     Ok(Some(points))
 }
 
 /// Joins parts at their ends: at each, two meet.
-fn stitch(parts: Vec<Part>) -> Option<Vec<Ring>> {
+fn stitch(parts: Vec<LoopPart>) -> Option<Vec<Ring>> {
     let mut at_end = HashMap::<End, Vec<usize>>::new();
     for (index, part) in parts.iter().enumerate() {
         part.ends.iter().for_each(|end| at_end.entry(*end).or_default().push(index));
@@ -346,7 +345,7 @@ fn stitch(parts: Vec<Part>) -> Option<Vec<Ring>> {
         while end != parts[first].ends[0] {
             let next = *at_end.get(&end)?.iter().find(|part| !used[**part])?;
             used[next] = true;
-            let Part { points: more, ends } = &parts[next];
+            let LoopPart { points: more, ends } = &parts[next];
             if ends[0] == end {
                 points.extend(&more[1..]);
                 end = ends[1];
@@ -366,8 +365,8 @@ fn tidy(mut points: Vec<DVec2>) -> Option<Vec<DVec2>> {
     let mut changed = true;
     while changed && points.len() >= 3 {
         let count = points.len();
-        let needed = |at: &usize| {
-            let [a, b, c] = [points[(at + count - 1) % count], points[*at], points[(at + 1) % count]];
+        let needed = |at: usize| {
+            let [a, b, c] = [points[(at + count - 1) % count], points[at], points[(at + 1) % count]];
             let is_between = |axis: usize| {
                 let other = 1 - axis;
                 a[axis] == b[axis]
@@ -379,10 +378,10 @@ fn tidy(mut points: Vec<DVec2>) -> Option<Vec<DVec2>> {
         // Neighbours are judged in turn, so that not both of two equal ones go.
         let mut kept = Vec::with_capacity(count);
         let mut dropped_last = false;
-        for at in 0..count {
-            dropped_last = !dropped_last && !needed(&at);
+        for (at, point) in points.iter().enumerate() {
+            dropped_last = !dropped_last && !needed(at);
             if !dropped_last {
-                kept.push(points[at]);
+                kept.push(*point);
             }
         }
         changed = kept.len() < count;

@@ -1,7 +1,7 @@
 //! Edges of planes: lines, circles and ellipses exactly.
 
 use super::Read;
-use super::path::{Path, Piece};
+use super::path::{Path, PathSegment};
 use super::project::Mapper;
 use crate::curve::Curve;
 use crate::frame::Frame;
@@ -50,7 +50,7 @@ pub(super) fn segments(points: &[DVec2]) -> impl Iterator<Item = TrimEdge> {
 }
 
 /// A circle, or an ellipse along the axes.
-fn arc(plane: &Frame, piece: &Piece) -> Option<TrimEdge> {
+fn arc(plane: &Frame, piece: &PathSegment) -> Option<TrimEdge> {
     let (frame, radii) = match &*piece.curve {
         Curve::Circle { frame, radius } => (frame, [*radius; 2]),
         Curve::Ellipse { frame, radii } => (frame, *radii),

@@ -73,6 +73,18 @@ impl Domain {
         self.whole.is_some() && closes(0) && closes(1)
     }
 
+    /// The same place in the limits: back by periods, or to the nearest end.
+    pub fn within(&self, mut at: DVec2) -> DVec2 {
+        for axis in 0..2 {
+            let Some([first, last]) = self.limits[axis] else { continue };
+            if at[axis] < first || at[axis] > last {
+                let back = |period: f64| first + (at[axis] - first).rem_euclid(period);
+                at[axis] = self.periods[axis].map_or(at[axis], back).clamp(first, last);
+            }
+        }
+        at
+    }
+
     fn between_poles(&mut self, surface: &Surface, latitude: f64) {
         for value in [-latitude, latitude] {
             self.poles.push(Pole { axis: 1, value, place: surface.point(DVec2::new(0.0, value)) });
@@ -135,14 +147,8 @@ impl Domain {
 /// Period and limits of a profile's parameter.
 fn repeats(profile: &Curve) -> (Option<f64>, Option<[f64; 2]>) {
     match profile {
-        Curve::Circle { .. } | Curve::Ellipse { .. } => (Some(TAU), None),
-        Curve::Nurbs(nurbs) => {
-            let ends = [nurbs.degree, nurbs.knots.len() - 1 - nurbs.degree].map(|at| nurbs.knots[at]);
-            let extent = nurbs.poles.iter().map(|pole| pole.distance(nurbs.poles[0])).fold(0.0, f64::max);
-            let is_closed = profile.point(ends[0]).distance(profile.point(ends[1])) <= NEAR * extent;
-            (is_closed.then_some(ends[1] - ends[0]), Some(ends))
-        }
-        _ => (None, None),
+        Curve::Nurbs(nurbs) => (profile.period(), Some(nurbs.domain())),
+        _ => (profile.period(), None),
     }
 }
 

@@ -43,14 +43,14 @@ struct Walk<'a> {
 }
 
 /// A part of the assembly on the way to its bodies.
-struct Place<'a> {
+struct Context<'a> {
     to_root: DAffine3,
     path: &'a [String],
     colour: FaceColour,
     depth: usize,
 }
 
-impl Place<'_> {
+impl Context<'_> {
     /// What a copy costs.
     fn work(&self) -> usize {
         VISIT + self.path.iter().map(|name| VISIT + name.len()).sum::<usize>()
@@ -72,7 +72,7 @@ pub(super) fn read(file: &File) -> Result<Assembly, StepError> {
     walk.refuse_cycles(&definitions)?;
     for &root in definitions.iter().filter(|id| !used.contains(id)) {
         let path = [walk.name(root)];
-        let place = Place { to_root: upright(), path: &path, colour: None, depth: 0 };
+        let place = Context { to_root: upright(), path: &path, colour: None, depth: 0 };
         walk.definition(root, &place)?;
     }
     walk.rest()?;
@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn definition(&mut self, id: u64, place: &Place<'_>) -> Result<(), StepError> {
+    fn definition(&mut self, id: u64, place: &Context<'_>) -> Result<(), StepError> {
         if place.depth > DEEPEST {
             return Err(StepError::TooDeep(DEEPEST));
         }
@@ -233,7 +233,7 @@ impl<'a> Walk<'a> {
             };
             let path = [place.path, std::slice::from_ref(&child.name)].concat();
             let to_root = place.to_root * to_parent;
-            let place = Place { to_root, path: &path, colour: place.colour, depth: place.depth + 1 };
+            let place = Context { to_root, path: &path, colour: place.colour, depth: place.depth + 1 };
             self.definition(child.child, &place)?;
         }
         if !children.is_empty() {
@@ -314,7 +314,7 @@ impl<'a> Walk<'a> {
         id: u64,
         owner: u64,
         name: &str,
-        place: &Place<'_>,
+        place: &Context<'_>,
     ) -> Result<(), StepError> {
         if place.depth > DEEPEST {
             return Err(StepError::TooDeep(DEEPEST));
@@ -329,9 +329,9 @@ impl<'a> Walk<'a> {
             let kind = self.file.kind(item, &BODIES).unwrap_or_default();
             if BODIES.contains(&kind) {
                 let units = self.units_of(id);
-                self.body(item, units, name, &Place { colour, ..*place })?;
+                self.add_solid(item, units, name, &Context { colour, ..*place })?;
             } else if kind == "MAPPED_ITEM" {
-                self.mapped_item(item, id, owner, name, &Place { colour, ..*place })?;
+                self.mapped_item(item, id, owner, name, &Context { colour, ..*place })?;
             } else if !is_no_body(kind) {
                 let why = format!("{}s are not read", spoken(kind));
                 self.bodies.notes.add("item", name, &why);
@@ -346,7 +346,7 @@ impl<'a> Walk<'a> {
         within: u64,
         owner: u64,
         name: &str,
-        place: &Place<'_>,
+        place: &Context<'_>,
     ) -> Result<(), StepError> {
         let Some((origin, representation, target)) = self.mapped(item) else {
             self.bodies.notes.add("mapped item", name, "its source or target cannot be read");
@@ -370,7 +370,7 @@ impl<'a> Walk<'a> {
         let step = if label.is_empty() { product_name.clone().unwrap_or_default() } else { label };
         let step = (!step.is_empty()).then_some(step);
         let path = [place.path, step.as_slice()].concat();
-        let place = Place {
+        let place = Context {
             to_root: place.to_root * target * origin.inverse(),
             path: &path,
             colour: self.bodies.styles.of(item).or(place.colour),
@@ -383,7 +383,13 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn body(&mut self, item: u64, units: Units, name: &str, place: &Place<'_>) -> Result<(), StepError> {
+    fn add_solid(
+        &mut self,
+        item: u64,
+        units: Units,
+        name: &str,
+        place: &Context<'_>,
+    ) -> Result<(), StepError> {
         let part = match self.parts.get(&item) {
             Some(part) => *part,
             None => {
@@ -433,11 +439,11 @@ impl<'a> Walk<'a> {
             };
             let name = self.file.any_fields(item).map_or("", |fields| fields.text(0)).to_owned();
             let path = [name.clone()];
-            self.body(
+            self.add_solid(
                 item,
                 units,
                 &name,
-                &Place { to_root: upright(), path: &path, colour: None, depth: 0 },
+                &Context { to_root: upright(), path: &path, colour: None, depth: 0 },
             )?;
         }
         Ok(())

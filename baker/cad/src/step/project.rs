@@ -52,7 +52,8 @@ impl Mapper<'_> {
         self.file.spend(breaks.len())?;
         let pcurve = pcurve.filter(|pcurve| {
             let near = |s: &f64| {
-                self.surface.point(pcurve.at(path, *s)).distance(path.point(*s)) <= TOLERANCE * self.size
+                self.surface.point(self.domain.within(pcurve.at(path, *s))).distance(path.point(*s))
+                    <= TOLERANCE * self.size
             };
             breaks.iter().all(near)
         });
@@ -85,7 +86,7 @@ impl Mapper<'_> {
 
     /// Distance on the surface, about, of parameters from a segment between others.
     fn distance(&self, at: DVec2, from: DVec2, to: DVec2) -> f64 {
-        let [_, along_u, along_v] = self.surface.derivatives(at);
+        let [_, along_u, along_v] = self.surface.derivatives(self.domain.within(at));
         let place = |at: DVec2| at.x * along_u + at.y * along_v;
         let (offset, segment) = (place(at - from), place(to - from));
         let length = segment.length_squared();
@@ -110,7 +111,7 @@ impl Mapper<'_> {
         kept.push(points[points.len() - 1]);
         if let [a, b] = &mut kept[..] {
             // Along one parameter exactly.
-            let [_, along_u, along_v] = self.surface.derivatives(0.5 * (*a + *b));
+            let [_, along_u, along_v] = self.surface.derivatives(self.domain.within(0.5 * (*a + *b)));
             for (axis, along) in [along_u, along_v].into_iter().enumerate() {
                 if (a[axis] - b[axis]).abs() * along.length() <= near {
                     b[axis] = a[axis];
@@ -178,7 +179,8 @@ impl Sampling<'_> {
                 [_, Some(pole)] if index == last => self.at_pole(pole, s, samples[last - 1], near)?,
                 _ => self.at(s, near)?,
             };
-            off = off.max(self.mapper.surface.point(at).distance(self.path.point(s)));
+            off = off
+                .max(self.mapper.surface.point(self.mapper.domain.within(at)).distance(self.path.point(s)));
             near = Some(at);
             points.push(at);
         }

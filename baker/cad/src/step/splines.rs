@@ -3,12 +3,10 @@
 use super::curves::Geometry;
 use super::file::{Fields, broken};
 use super::{Flaw, Read};
+use crate::basis::MAX_DEGREE;
 use crate::curve::{Curve, NurbsCurve};
 use crate::surface::{NurbsSurface, Surface};
 use glam::DVec3;
-
-/// Largest degree read.
-const HIGHEST_DEGREE: usize = 32;
 
 /// Weights of control points, if they are given.
 type Weights<T> = Option<Vec<T>>;
@@ -86,7 +84,7 @@ impl Geometry<'_> {
         let surface = NurbsSurface::new(degrees, knots, counts, poles, weights);
         surface
             .map(Surface::Nurbs)
-            .map_err(|error| Flaw::Unread(format!("a B-spline surface is wrong: {error}")))
+            .map_err(|error| Flaw::UnreadAt(id, format!("a B-spline surface is wrong: {error}")))
     }
 
     fn parts(&self, id: u64, kind: &str, basis: &str, own: usize) -> Read<Parts<'_>> {
@@ -108,19 +106,17 @@ impl Geometry<'_> {
     }
 
     fn degree(&self, id: u64, degree: usize) -> Read<usize> {
-        if (1..=HIGHEST_DEGREE).contains(&degree) {
+        if (1..=MAX_DEGREE).contains(&degree) {
             Ok(degree)
         } else {
-            Err(Flaw::Unread(format!("#{id}: B-splines of degree {degree} are not read")))
+            Err(Flaw::UnreadAt(id, format!("B-splines of degree {degree} are not read")))
         }
     }
 }
 
 fn nurbs_curve(id: u64, degree: usize, knots: Vec<f64>, poles: Vec<DVec3>, weights: Vec<f64>) -> Read<Curve> {
     let curve = NurbsCurve::new(degree, knots, poles, weights);
-    curve
-        .map(Curve::Nurbs)
-        .map_err(|error| Flaw::Unread(format!("#{id}, a B-spline curve, is wrong: {error}")))
+    curve.map(Curve::Nurbs).map_err(|error| Flaw::UnreadAt(id, format!("a B-spline curve is wrong: {error}")))
 }
 
 /// Knots with their multiplicities written out.
@@ -143,7 +139,7 @@ fn regular(id: u64, kind: &str, degree: usize, poles: usize) -> Read<Vec<f64>> {
         "QUASI_UNIFORM_CURVE" => {
             (0..total).map(|at| at.clamp(degree, poles) as f64 - degree as f64).collect()
         }
-        _ if (poles - 1) % degree == 0 => {
+        _ if (poles - 1).is_multiple_of(degree) => {
             let spans = (poles - 1) / degree;
             let knot = |at: usize| (at.saturating_sub(1) / degree).min(spans) as f64;
             (0..total).map(knot).collect()

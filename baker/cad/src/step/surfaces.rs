@@ -47,7 +47,7 @@ impl Geometry<'_> {
 
     fn nested_surface(&self, id: u64, depth: usize) -> Read<Placed> {
         if depth > DEEPEST {
-            return Err(Flaw::Unread(format!("#{id} refers to surfaces nested too deep")));
+            return Err(Flaw::UnreadAt(id, "surfaces are nested too deep".into()));
         }
         let kind = self.file.kind(id, &SURFACES)?;
         let unread = || Flaw::Unread(format!("{}s are not read", spoken(kind)));

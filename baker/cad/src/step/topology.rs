@@ -71,9 +71,9 @@ impl Bodies<'_> {
     ) -> Result<Option<Part>, StepError> {
         let (uses, mut is_closed) = match self.uses(item, colour) {
             Ok(found) => found,
-            Err(Flaw::Stop(error)) => return Err(error),
-            Err(Flaw::Unread(why)) => {
-                self.notes.add("body", name, &why);
+            Err(flaw) => {
+                let (why, at) = flaw.reason()?;
+                self.notes.add_at("body", name, &why, at);
                 return Ok(None);
             }
         };
@@ -90,10 +90,10 @@ impl Bodies<'_> {
                     }
                     faces.push(face);
                 }
-                Err(Flaw::Stop(error)) => return Err(error),
-                Err(Flaw::Unread(why)) => {
+                Err(flaw) => {
                     is_closed = false;
-                    self.notes.add("face", name, &why);
+                    let (why, at) = flaw.reason()?;
+                    self.notes.add_at("face", name, &why, at);
                 }
             }
         }
@@ -141,9 +141,9 @@ impl Bodies<'_> {
                 let colour = self.styles.of(id).or(colour);
                 let inner = fields.reference(2)?;
                 if self.file.is(inner, kind) {
-                    return Err(Flaw::Unread(format!("#{id} turns a turned shell")));
+                    return Err(Flaw::UnreadAt(id, "a turned shell is turned again".into()));
                 }
-                return self.shell(inner, is_flipped != !fields.flag(3), colour, uses);
+                return self.shell(inner, is_flipped == fields.flag(3), colour, uses);
             }
         }
         let kinds = ["CLOSED_SHELL", "OPEN_SHELL", "CONNECTED_FACE_SET"];
@@ -248,7 +248,7 @@ impl Bodies<'_> {
                 None => (run, true),
             };
             if self.file.is(edge_id, "ORIENTED_EDGE") {
-                return Err(Flaw::Unread(format!("#{id} turns a turned edge")));
+                return Err(Flaw::UnreadAt(id, "a turned edge is turned again".into()));
             }
             let key = (edge_id, geometry.units.length.to_bits());
             let edge = match self.edges.get(&key) {

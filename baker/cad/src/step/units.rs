@@ -21,9 +21,8 @@ impl Units {
         let mut has_length = false;
         let assigned = file.fields(context, "GLOBAL_UNIT_ASSIGNED_CONTEXT");
         let own = file.own_fields(context, "GLOBAL_UNIT_ASSIGNED_CONTEXT");
-        let list =
-            own.or(assigned).map(|fields| (0..fields.len()).flat_map(|at| fields.mixed(at).0).collect());
-        for unit in list.unwrap_or_else(Vec::new) {
+        let list = own.or(assigned).map(|fields| fields.all_references());
+        for unit in list.unwrap_or_default() {
             let Some(factor) = factor(file, unit, 0) else { continue };
             if file.is(unit, "LENGTH_UNIT") {
                 units.length = factor;

@@ -1,30 +1,30 @@
 //! Where a ray meets a surface: a short list.
 
-use super::Meeting;
+use super::SurfaceHit;
 use glam::DVec2;
 use std::ops::Deref;
 
 /// At most four meetings: as many as a line has with a torus. A slice, by [`Deref`].
 #[derive(Clone, Copy, Debug)]
-pub struct Meetings {
-    meetings: [Meeting; 4],
+pub struct SurfaceHits {
+    meetings: [SurfaceHit; 4],
     count: usize,
 }
 
-impl Default for Meetings {
+impl Default for SurfaceHits {
     fn default() -> Self {
-        Self { meetings: [Meeting { distance: 0.0, at: DVec2::ZERO }; 4], count: 0 }
+        Self { meetings: [SurfaceHit { distance: 0.0, at: DVec2::ZERO }; 4], count: 0 }
     }
 }
 
-impl Meetings {
+impl SurfaceHits {
     /// Leaves none.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
     /// Adds one; `false` if there is no room.
-    pub fn push(&mut self, meeting: Meeting) -> bool {
+    pub fn push(&mut self, meeting: SurfaceHit) -> bool {
         let Some(place) = self.meetings.get_mut(self.count) else { return false };
         *place = meeting;
         self.count += 1;
@@ -32,10 +32,10 @@ impl Meetings {
     }
 }
 
-impl Deref for Meetings {
-    type Target = [Meeting];
+impl Deref for SurfaceHits {
+    type Target = [SurfaceHit];
 
-    fn deref(&self) -> &[Meeting] {
+    fn deref(&self) -> &[SurfaceHit] {
         &self.meetings[..self.count]
     }
 }

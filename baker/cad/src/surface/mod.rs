@@ -23,7 +23,7 @@ use crate::frame::Frame;
 use angle::{angle_within, near_angle};
 use glam::{DVec2, DVec3};
 use local_ray::LocalRay;
-pub use meetings::Meetings;
+pub use meetings::SurfaceHits;
 pub use nurbs::NurbsSurface;
 use std::f64::consts::TAU;
 
@@ -93,7 +93,7 @@ pub struct Ray {
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub struct SurfaceHit {
     /// Multiple of the ray's direction.
     pub distance: f64,
     /// Parameters u and v.
@@ -209,7 +209,7 @@ impl Surface {
     ///
     /// A ray that touches the surface is found twice or not at all, so the number of meetings with a closed surface is even or odd
     /// as it should. A line within a plane, or a generator of a cylinder or cone, does not meet it.
-    pub fn meet(&self, ray: &Ray, patch: &[DVec2; 2], distances: [f64; 2], found: &mut Meetings) -> bool {
+    pub fn meet(&self, ray: &Ray, patch: &[DVec2; 2], distances: [f64; 2], found: &mut SurfaceHits) -> bool {
         found.clear();
         let [low, high] = *patch;
         let middle = 0.5 * (low.y + high.y);
@@ -242,7 +242,7 @@ impl Surface {
             if let Some(u) = within(at.x, [low.x, high.x], periods[0])
                 && let Some(v) = within(at.y, [low.y, high.y], periods[1])
             {
-                found.push(Meeting { distance, at: DVec2::new(u, v) });
+                found.push(SurfaceHit { distance, at: DVec2::new(u, v) });
             }
         }
         true

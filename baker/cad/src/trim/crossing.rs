@@ -1,6 +1,6 @@
 //! Crossings of pieces.
 
-use super::piece::Piece;
+use super::piece::MonotoneEdge;
 
 /// Intervals looked at for a pair before the rest is left: two curves that nearly coincide would need millions.
 const MOST_INTERVALS: usize = 4096;
@@ -11,7 +11,7 @@ const MOST_INTERVALS: usize = 4096;
 /// monotonic), so that the derivative of the difference is enclosed: without a 0 in it there is at most one crossing, found by
 /// bisection; without a 0 in the mean value form of the difference there is none. A crossing that stays undecided is one of two
 /// pieces closer together than `tolerance`.
-pub(super) fn crossings(a: &Piece, b: &Piece, tolerance: f64, found: &mut Vec<f64>) {
+pub(super) fn crossings(a: &MonotoneEdge, b: &MonotoneEdge, tolerance: f64, found: &mut Vec<f64>) {
     let range = (a.u[0].max(b.u[0]), a.u[1].min(b.u[1]));
     if range.0 >= range.1 || a.is_on_curve_of(b) {
         return;

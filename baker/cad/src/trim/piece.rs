@@ -1,4 +1,4 @@
-//! Piece of a trimming curve, monotonic in u and in v.
+//! MonotoneEdge of a trimming curve, monotonic in u and in v.
 
 use super::{QUADRANT_TOLERANCE, TrimEdge, ellipse_point};
 use glam::DVec2;
@@ -7,17 +7,17 @@ use std::f64::consts::FRAC_PI_2;
 /// The graph of a monotonic function v(u). Whichever way an edge goes, and whatever else crosses it, its pieces are the same
 /// to the last bit: domains that share an edge agree at it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct MonotoneEdge {
     /// Ends in u, ascending.
     pub u: [f64; 2],
     /// v at the ends.
     pub v: [f64; 2],
     /// What lies between.
-    curve: Curve,
+    curve: EdgeCurve,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Curve {
+enum EdgeCurve {
     Segment,
     /// The radius along v is negative for the lower half.
     Arc {
@@ -35,9 +35,9 @@ pub(super) struct Vertical {
 }
 
 /// Pieces and vertical segments of an edge.
-pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<Piece>, verticals: &mut Vec<Vertical>) {
+pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<MonotoneEdge>, verticals: &mut Vec<Vertical>) {
     match *edge {
-        TrimEdge::Segment { from, to } => push(from, to, Curve::Segment, pieces, verticals),
+        TrimEdge::Segment { from, to } => push(from, to, EdgeCurve::Segment, pieces, verticals),
         TrimEdge::Arc { centre, radii, angles } => {
             let (low, high) = (angles[0].min(angles[1]), angles[0].max(angles[1]));
             let mut begin = low;
@@ -49,7 +49,7 @@ pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<Piece>, verticals: &mut Vec<
                 let is_upper = (0.5 * (begin + end)).sin() > 0.0;
                 let radii = if is_upper { radii } else { DVec2::new(radii.x, -radii.y) };
                 let at = |angle| ellipse_point(centre, radii.abs(), angle);
-                push(at(begin), at(end), Curve::Arc { centre, radii }, pieces, verticals);
+                push(at(begin), at(end), EdgeCurve::Arc { centre, radii }, pieces, verticals);
                 if end >= high {
                     break;
                 }
@@ -60,25 +60,25 @@ pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<Piece>, verticals: &mut Vec<
     }
 }
 
-fn push(a: DVec2, b: DVec2, curve: Curve, pieces: &mut Vec<Piece>, verticals: &mut Vec<Vertical>) {
+fn push(a: DVec2, b: DVec2, curve: EdgeCurve, pieces: &mut Vec<MonotoneEdge>, verticals: &mut Vec<Vertical>) {
     if a.x == b.x {
         if a.y != b.y {
             verticals.push(Vertical { u: a.x, v: [a.y.min(b.y), a.y.max(b.y)] });
         }
     } else {
         let (a, b) = if a.x < b.x { (a, b) } else { (b, a) };
-        pieces.push(Piece { u: [a.x, b.x], v: [a.y, b.y], curve });
+        pieces.push(MonotoneEdge { u: [a.x, b.x], v: [a.y, b.y], curve });
     }
 }
 
-impl Piece {
+impl MonotoneEdge {
     /// v at a u between the ends.
     pub fn v_at(&self, u: f64) -> f64 {
         let v = match self.curve {
-            Curve::Segment => {
+            EdgeCurve::Segment => {
                 self.v[0] + (self.v[1] - self.v[0]) * ((u - self.u[0]) / (self.u[1] - self.u[0]))
             }
-            Curve::Arc { centre, radii } => {
+            EdgeCurve::Arc { centre, radii } => {
                 let x = (u - centre.x) / radii.x;
                 centre.y + radii.y * ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()
             }
@@ -94,8 +94,8 @@ impl Piece {
     /// dv/du; infinite where an arc is vertical.
     pub fn slope_at(&self, u: f64) -> f64 {
         match self.curve {
-            Curve::Segment => (self.v[1] - self.v[0]) / (self.u[1] - self.u[0]),
-            Curve::Arc { centre, radii } => {
+            EdgeCurve::Segment => (self.v[1] - self.v[0]) / (self.u[1] - self.u[0]),
+            EdgeCurve::Arc { centre, radii } => {
                 let x = (u - centre.x) / radii.x;
                 -radii.y / radii.x * x / ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()
             }
@@ -105,8 +105,8 @@ impl Piece {
     /// ∫ (v - v₀) du from a to b, between the ends.
     pub fn integral(&self, a: f64, b: f64, origin: f64) -> f64 {
         match self.curve {
-            Curve::Segment => (0.5 * (self.v_at(a) + self.v_at(b)) - origin) * (b - a),
-            Curve::Arc { centre, radii } => {
+            EdgeCurve::Segment => (0.5 * (self.v_at(a) + self.v_at(b)) - origin) * (b - a),
+            EdgeCurve::Arc { centre, radii } => {
                 let antiderivative = |u: f64| {
                     let x = ((u - centre.x) / radii.x).clamp(-1.0, 1.0);
                     0.5 * radii.x * radii.y * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.asin())
@@ -119,7 +119,7 @@ impl Piece {
     /// Whether the pieces lie on one curve: they cross nowhere.
     pub fn is_on_curve_of(&self, other: &Self) -> bool {
         match (self.curve, other.curve) {
-            (Curve::Segment, Curve::Segment) => self.u == other.u && self.v == other.v,
+            (EdgeCurve::Segment, EdgeCurve::Segment) => self.u == other.u && self.v == other.v,
             (a, b) => a == b,
         }
     }

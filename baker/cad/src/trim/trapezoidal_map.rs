@@ -1,7 +1,7 @@
 //! Trapezoidal map: point location among trimming curves.
 
 use super::crossing::crossings;
-use super::piece::{Piece, Vertical, cut};
+use super::piece::{MonotoneEdge, Vertical, cut};
 use super::{TrimEdge, TrimLoop};
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -83,7 +83,7 @@ pub enum Coverage {
 #[derive(Clone, Debug)]
 pub struct TrapezoidalMap {
     bounds: [DVec2; 2],
-    pieces: Vec<Piece>,
+    pieces: Vec<MonotoneEdge>,
     verticals: Vec<Vertical>,
     /// Lines between slabs, ascending.
     lines: Vec<f64>,
@@ -309,7 +309,7 @@ fn checked(loops: &[TrimLoop]) -> Result<Vec<TrimEdge>, TrimError> {
 }
 
 /// Pieces, and where others cross them, in the order of pieces and u.
-fn cuts(pieces: &[Piece], tolerance: f64) -> Vec<(usize, f64)> {
+fn cuts(pieces: &[MonotoneEdge], tolerance: f64) -> Vec<(usize, f64)> {
     let mut cuts = Vec::new();
     let mut found = Vec::new();
     let mut active: Vec<usize> = Vec::new();
@@ -330,12 +330,12 @@ fn cuts(pieces: &[Piece], tolerance: f64) -> Vec<(usize, f64)> {
 }
 
 /// Grows with v among pieces that do not cross between a and b, also if they touch there.
-fn sort_key(piece: &Piece, a: f64, b: f64) -> f64 {
+fn sort_key(piece: &MonotoneEdge, a: f64, b: f64) -> f64 {
     [0.25, 0.5, 0.75].map(|t| piece.v_at(a + (b - a) * t)).iter().sum()
 }
 
 /// The segment tree's lists: see [`TrapezoidalMap`].
-fn levels(pieces: &[Piece], cuts: &[(usize, f64)], lines: &[f64]) -> Vec<Level> {
+fn levels(pieces: &[MonotoneEdge], cuts: &[(usize, f64)], lines: &[f64]) -> Vec<Level> {
     let slabs = lines.len().saturating_sub(1);
     // Lists by level, of nodes and pieces.
     let mut lists: Vec<Vec<(usize, u32)>> = Vec::new();

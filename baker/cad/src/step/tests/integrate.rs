@@ -2,19 +2,11 @@
 
 use crate::face::Face;
 use crate::model::Part;
-use crate::trim::TrimEdge;
+use crate::trim::{TrapezoidalMap, TrimEdge};
 use glam::{DVec2, DVec3};
 
 const LINES: usize = 3000;
 const PIECES: usize = 8;
-
-/// Ends of an edge, as a trimming loop joins them.
-pub fn ends(edge: &TrimEdge) -> [DVec2; 2] {
-    match *edge {
-        TrimEdge::Segment { from, to } => [from, to],
-        TrimEdge::Arc { centre, radii, angles } => angles.map(|t| centre + radii * DVec2::from_angle(t)),
-    }
-}
 
 /// Segments that approach the loops.
 fn segments(face: &Face) -> Vec<[DVec2; 2]> {
@@ -34,11 +26,12 @@ fn segments(face: &Face) -> Vec<[DVec2; 2]> {
 /// Every loop closed: each edge begins where the one before ends, but for rounding.
 pub fn assert_loops_closed(face: &Face) {
     assert!(!face.loops.is_empty());
+    assert!(TrapezoidalMap::new(&face.loops).is_ok());
     for edges in &face.loops {
-        let size = edges.iter().flat_map(ends).map(DVec2::length).fold(0.0, f64::max);
+        let size = edges.iter().flat_map(TrimEdge::ends).map(DVec2::length).fold(0.0, f64::max);
         for (at, edge) in edges.iter().enumerate() {
             let before = &edges[(at + edges.len() - 1) % edges.len()];
-            assert!(ends(before)[1].distance(ends(edge)[0]) <= 1e-12 * size, "{before:?} {edge:?}");
+            assert!(before.ends()[1].distance(edge.ends()[0]) <= 1e-12 * size, "{before:?} {edge:?}");
         }
     }
 }

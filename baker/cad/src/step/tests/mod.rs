@@ -6,13 +6,14 @@ mod hostile;
 mod integrate;
 mod periods;
 mod shapes;
+mod splines;
 mod text;
 
+use super::Notes;
 use super::file::File;
 use super::style::Styles;
 use super::topology::Bodies;
 use super::units::Units;
-use super::{Flaw, Notes};
 use crate::model::Assembly;
 use std::collections::{BTreeMap, HashMap};
 
@@ -32,11 +33,7 @@ fn assert_closed(bytes: &[u8]) {
         let mut runs = BTreeMap::<u64, [usize; 2]>::new();
         let uses = bodies.uses(solid, None).unwrap_or_else(|_| panic!("#{solid}")).0;
         for each in uses {
-            let bounded = match bodies.bounded(Units::NONE, each.face) {
-                Ok(bounded) => bounded,
-                Err(Flaw::Unread(why)) => panic!("{why}"),
-                Err(Flaw::Stop(error)) => panic!("{error}"),
-            };
+            let bounded = bodies.bounded(Units::NONE, each.face).unwrap_or_else(|_| panic!("#{}", each.face));
             for (edge, forward) in bounded.runs {
                 runs.entry(edge).or_default()[usize::from(forward != each.is_flipped)] += 1;
             }

@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// The one part of a file with this solid.
-fn only_part(mut text: Text, solid: u64) -> Part {
+pub fn only_part(mut text: Text, solid: u64) -> Part {
     let context = text.millimetres();
     text.product("thing", &[solid], context);
     let assembly = read(&text.finish());
@@ -19,7 +19,8 @@ fn only_part(mut text: Text, solid: u64) -> Part {
     assembly.parts.into_iter().next().unwrap()
 }
 
-fn assert_measures(part: &Part, area: f64, volume: f64) {
+/// Area and volume to 1e-4.
+pub fn assert_measures(part: &Part, area: f64, volume: f64) {
     let [found_area, found_volume] = totals(part);
     assert_near(found_area, area, 1e-4);
     assert_near(found_volume, volume, 1e-4);
@@ -98,7 +99,7 @@ fn a_tube_has_its_area_and_volume_with_and_without_seams() {
                 Surface::Cylinder { .. } => {
                     assert_eq!(face.loops.len(), 1);
                     let across = |edge: &TrimEdge| {
-                        let [a, b] = super::integrate::ends(edge);
+                        let [a, b] = edge.ends();
                         [a.x, b.x]
                     };
                     let all: Vec<f64> = face.loops[0].iter().flat_map(across).collect();

@@ -25,7 +25,7 @@ fn meetings_are_where_the_sign_changes() {
     for Case { name, surface, size, patch } in cases() {
         let frame = frame_of(&surface);
         let has_ends = matches!(surface, Surface::Plane(_) | Surface::Cylinder { .. } | Surface::Cone { .. });
-        let mut found = Meetings::default();
+        let mut found = SurfaceHits::default();
         let mut met = 0;
         for i in 0..RAYS {
             let far = if i % 10 == 0 { 1e4 * size } else { 2.0 * size };
@@ -115,7 +115,7 @@ fn grazing_rays_meet_twice_or_not_at_all() {
                 Surface::Torus { minor, .. } => 1e-7 * minor,
                 _ => 1e-7 * size,
             };
-            let mut found = Meetings::default();
+            let mut found = SurfaceHits::default();
             // Where a cone's tangent meets the other nappe is of no account: as far as the roots can be apart.
             let reach = match surface {
                 Surface::Cone { .. } => 0.01 * size,
@@ -143,8 +143,8 @@ fn cones_are_met_on_the_nappe_of_the_patch() {
     let frame = Random(9).frame();
     let surface = Surface::Cone { frame, radius: 0.0, half_angle: 0.5 };
     let ray = Ray { origin: frame.place(DVec3::new(0.1, 0.0, -9.0)), direction: frame.z };
-    let mut found = Meetings::default();
-    let met = |from: f64, to: f64, found: &mut Meetings| {
+    let mut found = SurfaceHits::default();
+    let met = |from: f64, to: f64, found: &mut SurfaceHits| {
         let patch = [DVec2::new(-PI, from), DVec2::new(PI, to)];
         surface.meet(&ray, &patch, [0.0, f64::INFINITY], found);
         found.len()
@@ -178,7 +178,7 @@ fn a_patch_holds_what_of_the_whole_lies_in_it() {
     let mut random = Random(11);
     for Case { name, surface, size, patch } in cases() {
         let frame = frame_of(&surface);
-        let [mut all, mut some] = [Meetings::default(), Meetings::default()];
+        let [mut all, mut some] = [SurfaceHits::default(), SurfaceHits::default()];
         for _ in 0..20_000 {
             let ray = Ray {
                 origin: frame.place(random.between(0.0, 2.0 * size) * random.unit()),
@@ -237,7 +237,7 @@ fn patches_side_by_side_have_no_gap() {
 #[test]
 fn odd_input_meets_nothing() {
     let whole = [DVec2::NEG_INFINITY, DVec2::INFINITY];
-    let mut found = Meetings::default();
+    let mut found = SurfaceHits::default();
     for Case { name, surface, size, .. } in cases() {
         for direction in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::X] {
             for origin in [DVec3::NAN, DVec3::INFINITY, DVec3::ZERO] {

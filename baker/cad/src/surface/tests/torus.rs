@@ -15,7 +15,7 @@ fn grazing_rays_in_the_hole_of_a_torus() {
             let [place, along_u, _] = surface.derivatives(at);
             let [direction, normal] = [along_u.normalize(), surface.normal(at)];
             let reach = 0.05 * minor;
-            let mut found = Meetings::default();
+            let mut found = SurfaceHits::default();
             for (offset, expected) in [(1e-7 * minor, 2), (-1e-7 * minor, 0)] {
                 let origin = place + offset * normal - reach * direction;
                 surface.meet(&Ray { origin, direction }, &patch, [0.0, 2.0 * reach], &mut found);
@@ -31,7 +31,7 @@ fn rays_that_are_hard_for_a_torus() {
     let count = |major: f64, minor: f64, origin: DVec3, direction: DVec3| {
         let surface = Surface::Torus { frame: Frame::default(), major, minor };
         let patch = [DVec2::ZERO, DVec2::splat(TAU)];
-        let mut found = Meetings::default();
+        let mut found = SurfaceHits::default();
         surface.meet(&Ray { origin, direction }, &patch, [f64::NEG_INFINITY, f64::INFINITY], &mut found);
         for meeting in found.iter() {
             let place = origin + meeting.distance * direction;
@@ -115,7 +115,7 @@ fn rays_that_are_hard_for_a_torus() {
 fn no_pair_is_lost_at_any_thickness() {
     let mut random = Random(16);
     let patch = [DVec2::ZERO, DVec2::splat(TAU)];
-    let mut found = Meetings::default();
+    let mut found = SurfaceHits::default();
     for offset in [1e-7, 1e-13] {
         for _ in 0..20_000 {
             let minor = 10f64.powf(random.between(-5.0, 0.5));
