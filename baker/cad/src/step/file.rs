@@ -7,7 +7,7 @@ use step_io::parser::{Attribute, RawEntity};
 
 /// Work that reading a file may cost, of which control points, faces, samples and occurrences take their share: so much and so
 /// much more a byte. Honest files stay far below; one that refers to the same large entity again and again does not.
-const BUDGET: [u64; 2] = [20_000_000, 300];
+const BUDGET: [u64; 2] = [20_000_000, 200];
 
 /// A file's records.
 pub(super) struct File {

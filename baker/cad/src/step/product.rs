@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 const DEEPEST: usize = 128;
 
 /// Work of one occurrence, in units of the budget.
-const VISIT: usize = 100;
+const VISIT: usize = 4;
 
 /// An occurrence of a product in another.
 struct Occurrence {

@@ -15,10 +15,13 @@ pub(super) const TOLERANCE: f64 = 1e-5;
 const STRAIGHT: f64 = 1e-3;
 
 /// Work of a sample.
-const SAMPLE: usize = 10;
+const SAMPLE: usize = 40;
+
+/// Segments of an edge besides what its knots need: a circle on a plane takes some four hundred.
+const MOST_SEGMENTS: usize = 1 << 13;
 
 /// Halvings of the distance between two samples.
-const DEEPEST: usize = 16;
+const DEEPEST: usize = 13;
 
 /// Maps edges to parameters.
 pub(super) struct Mapper<'a> {
@@ -188,6 +191,9 @@ impl Sampling<'_> {
         for index in 0..last {
             let ends = [(samples[index], points[index]), (samples[index + 1], points[index + 1])];
             self.refine(ends, DEEPEST, &mut refined)?;
+            if refined.len() > MOST_SEGMENTS + 16 * samples.len() {
+                return Err(Flaw::Unread("edges have no smooth course on the surface".into()));
+            }
         }
         Ok((self.mapper.straightened(&refined), off))
     }

@@ -107,3 +107,18 @@ fn damaged_files_do_not_panic() {
         }
     }
 }
+
+/// What a small honest file may have: two hundred racks of five hundred screws each.
+#[test]
+fn a_hundred_thousand_occurrences_are_read() {
+    let mut text = Text::new();
+    let context = text.millimetres();
+    let (solid, _) = text.cuboid(DVec3::splat(1.0), DQuat::IDENTITY, DVec3::ZERO);
+    let origin = text.frame(DVec3::ZERO, DVec3::Z, DVec3::X);
+    let screw = text.product("screw", &[solid], context);
+    let rack = text.product("rack", &[], context);
+    let hall = text.product("hall", &[], context);
+    (0..500).for_each(|_| text.occurrence("", rack, screw, origin, origin));
+    (0..200).for_each(|_| text.occurrence("", hall, rack, origin, origin));
+    assert_eq!(read(text.finish().as_bytes()).unwrap().instances.len(), 100_000);
+}
