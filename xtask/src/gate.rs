@@ -2,7 +2,7 @@
 //! of modules, names, the docs, and the library without its features and for wasm. `tsc` checks the page when it is
 //! built, strictly.
 
-use crate::{docs, layers, names, process, toolchain};
+use crate::{docs, layers, names, process, sources, toolchain};
 use anyhow::{Result, bail};
 
 /// Name of a check, and the check.
@@ -42,14 +42,14 @@ fn format() -> Result<()> {
 /// Compiler and Clippy, with warnings denied.
 fn lints() -> Result<()> {
     let mut command = process::cargo();
-    command.args(["clippy", "--locked", "--workspace", "--features", "rebounce-cad/step", "--all-targets"]);
+    command.args(["clippy", "--locked", "--workspace", "--features", sources::STEP, "--all-targets"]);
     process::run(command.args(["--", "--deny", "warnings"]))
 }
 
 /// Documentation of the code, with warnings denied: missing pages and dead links.
 fn rustdoc() -> Result<()> {
     let mut command = process::cargo();
-    command.args(["doc", "--locked", "--workspace", "--features", "rebounce-cad/step"]);
+    command.args(["doc", "--locked", "--workspace", "--features", sources::STEP]);
     command.args(["--no-deps", "--document-private-items"]);
     process::run(command.env("RUSTDOCFLAGS", "--deny warnings"))
 }

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 pub const CRATES: [&str; 8] =
     ["shared", "baker", "baker/args", "baker/cad", "baker/cli", "baker/wasm", "viewer", "viewer/three"];
 
+/// The reader of STEP files: a feature, since its parser takes minutes to compile. Checks and tests have it.
+pub const STEP: &str = "rebounce-cad/step";
+
 /// The source folder of a crate.
 pub fn of(name: &str) -> PathBuf {
     process::root().join(name).join("src")

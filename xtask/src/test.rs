@@ -2,7 +2,7 @@
 
 use crate::package::{self, Tarballs};
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, gate, install, installed, npm, process, site, web};
+use crate::{bindgen, gate, install, installed, npm, process, site, sources, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -74,14 +74,13 @@ pub fn run(args: &[String]) -> Result<()> {
     checked.and(native).and(wasm.map(drop)).and(browser)
 }
 
-/// The reader of STEP files, which crates without it need not compile.
-const STEP: &str = "rebounce-cad/step";
-
 /// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
 /// tests.
 fn native(options: &[&str]) -> Result<()> {
     let mut command = process::cargo();
-    command.args(["test", "--locked", "--workspace", "--features", STEP, "--no-fail-fast"]).args(options);
+    command
+        .args(["test", "--locked", "--workspace", "--features", sources::STEP, "--no-fail-fast"])
+        .args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }

@@ -3,6 +3,9 @@
 /// Highest degree that the functions here take.
 pub const MAX_DEGREE: usize = 25;
 
+/// Most control points of a curve or a surface.
+pub const MAX_POLES: usize = 1_000_000;
+
 /// A value for each of the functions that may differ from 0 at a parameter: the first `degree + 1` count.
 pub type Values = [f64; MAX_DEGREE + 1];
 
@@ -18,34 +21,41 @@ pub fn span(degree: usize, knots: &[f64], at: f64) -> usize {
     span
 }
 
-/// The basis functions of a span, whose poles are `span - degree` to `span`, and their derivatives by the parameter: [values,
-/// derivatives]. (A2.2; the derivatives are differences of the functions a degree lower, as in A2.3.)
-pub fn functions(degree: usize, knots: &[f64], span: usize, at: f64) -> [Values; 2] {
-    let mut values: Values = [0.0; MAX_DEGREE + 1];
-    let mut derivatives: Values = [0.0; MAX_DEGREE + 1];
-    values[0] = 1.0;
-    for current in 1..=degree {
-        let mut carried = 0.0;
-        let mut carried_slope = 0.0;
-        for i in 0..current {
-            let after = knots[span + i + 1];
-            let before = knots[span + i + 1 - current];
-            // Never 0: the two enclose the span.
-            let share = values[i] / (after - before);
-            values[i] = carried + (after - at) * share;
-            carried = (at - before) * share;
-            if current == degree {
-                let slope = degree as f64 * share;
-                derivatives[i] = carried_slope - slope;
-                carried_slope = slope;
-            }
+/// The basis functions of a span, whose poles are `span - degree` to `span`, and their first and second derivatives by the
+/// parameter. (A2.2, and equation 2.7.)
+pub fn functions(degree: usize, knots: &[f64], span: usize, at: f64) -> [Values; 3] {
+    let mut lower = [[0.0; MAX_DEGREE + 1]; 2];
+    let mut basis = [0.0; MAX_DEGREE + 1];
+    basis[0] = 1.0;
+    for q in 1..=degree {
+        lower = [lower[1], basis];
+        let mut saved = 0.0;
+        for r in 0..q {
+            let [left, right] = [at - knots[span + 1 + r - q], knots[span + 1 + r] - at];
+            let quotient = basis[r] / (left + right);
+            basis[r] = saved + right * quotient;
+            saved = left * quotient;
         }
-        values[current] = carried;
-        if current == degree {
-            derivatives[current] = carried_slope;
-        }
+        basis[q] = saved;
     }
-    [values, derivatives]
+    let first = differentiate(degree, knots, span, &lower[1]);
+    let second = if degree < 2 {
+        [0.0; MAX_DEGREE + 1]
+    } else {
+        differentiate(degree, knots, span, &differentiate(degree - 1, knots, span, &lower[0]))
+    };
+    [basis, first, second]
+}
+
+/// Derivatives of the functions of this degree from those of one degree less (equation 2.7).
+fn differentiate(degree: usize, knots: &[f64], span: usize, lower: &Values) -> Values {
+    let mut result = [0.0; MAX_DEGREE + 1];
+    for r in 0..degree {
+        let step = degree as f64 * lower[r] / (knots[span + 1 + r] - knots[span + 1 + r - degree]);
+        result[r] -= step;
+        result[r + 1] += step;
+    }
+    result
 }
 
 /// Bernstein polynomials of a degree, at most [`MAX_DEGREE`]: [values, derivatives].
@@ -87,7 +97,7 @@ mod tests {
         for step in 0..=200 {
             let at = step as f64 / 100.0;
             let span = span(3, &KNOTS, at);
-            let [values, slopes] = functions(3, &KNOTS, span, at);
+            let [values, slopes, _] = functions(3, &KNOTS, span, at);
             assert!((values[..4].iter().sum::<f64>() - 1.0).abs() < 1e-14);
             assert!(slopes[..4].iter().sum::<f64>().abs() < 1e-13);
             // Poles at the means of the knots (Greville) make the spline the identity.

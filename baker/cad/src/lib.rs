@@ -23,6 +23,8 @@ pub mod curve;
 pub mod face;
 pub mod frame;
 pub mod model;
+#[cfg(test)]
+mod random;
 pub mod spline;
 #[cfg(feature = "step")]
 pub mod step;

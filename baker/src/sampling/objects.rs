@@ -68,7 +68,7 @@ impl Objects {
         }
         let (low, high) = surfaces.main_part();
         let largest = OBJECT * (high - low).length();
-        let mut out = Self::default();
+        let (mut out, scales) = (Self::default(), settings.scales());
         for (group, (sides, bounds)) in sides.into_iter().zip(bounds).enumerate() {
             let Some((low, high)) = bounds else { continue };
             let reach = (high - low).length();
@@ -76,8 +76,7 @@ impl Objects {
                 out.has_others = true;
                 continue;
             }
-            let group = group as u32;
-            let disk = finest * groups[group as usize].density.sqrt().recip();
+            let (disk, group) = (finest * scales[group], group as u32);
             let interior = Interior { surfaces, primitives, group, reach, disk, seed: settings.seed };
             out.all.push(Object::new(group, interior.without(sides, viewpoints)));
         }

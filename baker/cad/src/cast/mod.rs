@@ -116,7 +116,7 @@ impl CastFace {
         }
     }
 
-    /// SurfaceHits with a Bézier patch, near ones first.
+    /// Hits of a ray with a Bézier patch, near ones first.
     fn first(
         patch: &BezierPatch,
         ray: &Ray,

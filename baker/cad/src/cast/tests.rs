@@ -4,27 +4,11 @@ use super::CastFace;
 use crate::curve::Curve;
 use crate::face::Face;
 use crate::frame::Frame;
+use crate::random::SplitMix;
 use crate::surface::{Ray, Surface, SurfaceHit};
 use crate::trim::TrimEdge;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
-
-/// Random numbers from 0 to 1 (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn place(&mut self, half: f64) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 * half - half
-    }
-}
 
 fn rectangle(low: DVec2, high: DVec2) -> Vec<TrimEdge> {
     let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
@@ -57,7 +41,7 @@ fn nearest(face: &Face, rays: &[Ray]) -> Vec<Option<(SurfaceHit, DVec3)>> {
 }
 
 fn rays(count: usize) -> Vec<Ray> {
-    let mut random = Random(7);
+    let mut random = SplitMix(7);
     (0..count)
         .map(|_| {
             let origin = random.place(4.0);

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SplineError {
     /// Degree 0, or above what is supported.
-    #[error("degree {0} is not from 1 to {max}", max = super::nurbs::MAX_DEGREE)]
+    #[error("degree {0} is not from 1 to {max}", max = crate::basis::MAX_DEGREE)]
     Degree(usize),
     /// Fewer control points than degree + 1, or more than what is supported.
     #[error("{poles} control points for degree {degree}")]

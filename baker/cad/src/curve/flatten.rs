@@ -51,9 +51,9 @@ fn distance_to_segment(point: DVec3, begin: DVec3, end: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
     use crate::frame::Frame;
+    use crate::random::SplitMix;
 
     #[test]
     fn chords_keep_to_the_curve() {

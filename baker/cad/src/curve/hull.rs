@@ -1,6 +1,7 @@
 //! Convex hull of a piece of a curve.
 
-use super::{Curve, nurbs};
+use super::Curve;
+use crate::basis;
 use glam::DVec3;
 
 impl Curve {
@@ -16,7 +17,7 @@ impl Curve {
             if low < first && self.period().is_some() {
                 return spline.poles.clone();
             }
-            let span = |u| nurbs::find_span(spline.degree, spline.poles.len(), &spline.knots, u);
+            let span = |u| basis::span(spline.degree, &spline.knots, u);
             let [begin, end] = [span(low.max(first)), span(high.min(last))];
             return spline.poles[begin - spline.degree..=end].to_vec();
         }
@@ -34,7 +35,7 @@ impl Curve {
     }
 
     /// Where the tangents at two points of a conic meet.
-    fn tangents_meet(&self, from: f64, to: f64) -> DVec3 {
+    pub(super) fn tangents_meet(&self, from: f64, to: f64) -> DVec3 {
         let [middle, half] = [0.5 * (from + to), 0.5 * (to - from)];
         match self {
             Self::Circle { frame, .. } | Self::Ellipse { frame, .. } => {
@@ -48,8 +49,8 @@ impl Curve {
 
 #[cfg(test)]
 mod tests {
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
+    use crate::random::SplitMix;
 
     #[test]
     fn no_point_of_the_curve_is_beyond_in_any_direction() {

@@ -187,8 +187,8 @@ struct Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
+    use crate::random::SplitMix;
 
     #[test]
     fn points_of_a_curve_come_back() {

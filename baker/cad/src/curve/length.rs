@@ -48,9 +48,9 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
     use crate::frame::Frame;
+    use crate::random::SplitMix;
     use glam::DVec3;
 
     #[test]

@@ -6,8 +6,6 @@ mod hull;
 mod invert;
 mod length;
 pub mod nurbs;
-#[cfg(test)]
-pub(crate) mod random;
 mod to_nurbs;
 
 use crate::frame::Frame;
@@ -164,8 +162,8 @@ fn conic(frame: &Frame, [point, first, second]: [DVec3; 3]) -> [DVec3; 3] {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::random::SplitMix;
     use super::*;
+    use crate::random::SplitMix;
 
     /// A curve of every kind, placed at random, with a range of parameters.
     pub(crate) fn every_kind(numbers: &mut SplitMix) -> Vec<(Curve, [f64; 2])> {

@@ -1,13 +1,8 @@
 //! NURBS curve, after Piegl and Tiller, "The NURBS Book", 1997.
 
 use super::error::SplineError;
+use crate::basis::{self, MAX_DEGREE, MAX_POLES};
 use glam::{DVec3, DVec4};
-
-/// The highest degree that is supported.
-pub const MAX_DEGREE: usize = 25;
-
-/// The most control points that are supported.
-pub const MAX_POLES: usize = 1_000_000;
 
 /// Ends nearer than this multiple of the diagonal of the control points' box are one point.
 const CLOSURE: f64 = 1e-7;
@@ -84,8 +79,8 @@ impl NurbsCurve {
         let [first, last] = self.domain();
         let u = u.max(first).min(last);
         let degree = self.degree;
-        let span = find_span(degree, self.poles.len(), &self.knots, u);
-        let basis = basis_derivatives(degree, &self.knots, span, u);
+        let span = basis::span(degree, &self.knots, u);
+        let basis = basis::functions(degree, &self.knots, span, u);
         let mut sums = [DVec4::ZERO; 3];
         for k in 0..=degree {
             let index = span - degree + k;
@@ -128,59 +123,10 @@ pub(crate) fn check_knots(degree: usize, poles: usize, knots: &[f64]) -> Result<
     Ok(())
 }
 
-/// Index of the knot that begins the span of `u` (algorithm A2.1): never an empty span.
-pub(crate) fn find_span(degree: usize, poles: usize, knots: &[f64], u: f64) -> usize {
-    let after = if u >= knots[poles] {
-        knots.partition_point(|knot| *knot < knots[poles])
-    } else {
-        knots.partition_point(|knot| *knot <= u)
-    };
-    after.saturating_sub(1).max(degree).min(poles - 1)
-}
-
-/// Values of the degree + 1 basis functions of a span.
-pub(crate) type Basis = [f64; MAX_DEGREE + 1];
-
-/// The basis functions that are not 0 in a span, their first and second derivatives, at `u`.
-pub(crate) fn basis_derivatives(degree: usize, knots: &[f64], span: usize, u: f64) -> [Basis; 3] {
-    let mut lower = [[0.0; MAX_DEGREE + 1]; 2];
-    let mut basis = [0.0; MAX_DEGREE + 1];
-    basis[0] = 1.0;
-    for q in 1..=degree {
-        lower = [lower[1], basis];
-        let mut saved = 0.0;
-        for r in 0..q {
-            let [left, right] = [u - knots[span + 1 + r - q], knots[span + 1 + r] - u];
-            let quotient = basis[r] / (left + right);
-            basis[r] = saved + right * quotient;
-            saved = left * quotient;
-        }
-        basis[q] = saved;
-    }
-    let first = differentiate(degree, knots, span, &lower[1]);
-    let second = if degree < 2 {
-        [0.0; MAX_DEGREE + 1]
-    } else {
-        differentiate(degree, knots, span, &differentiate(degree - 1, knots, span, &lower[0]))
-    };
-    [basis, first, second]
-}
-
-/// Derivatives of the functions of this degree from those of one degree less (equation 2.7).
-fn differentiate(degree: usize, knots: &[f64], span: usize, lower: &Basis) -> Basis {
-    let mut result = [0.0; MAX_DEGREE + 1];
-    for r in 0..degree {
-        let step = degree as f64 * lower[r] / (knots[span + 1 + r] - knots[span + 1 + r - degree]);
-        result[r] -= step;
-        result[r + 1] += step;
-    }
-    result
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::curve::random::SplitMix;
+    use crate::random::SplitMix;
 
     /// The unit circle of nine control points.
     pub(crate) fn circle() -> NurbsCurve {
@@ -246,8 +192,8 @@ pub(crate) mod tests {
         for degree in [1, 3, MAX_DEGREE] {
             let curve = random(&mut numbers, degree, true);
             let u = numbers.between(0.0, curve.domain()[1]);
-            let span = find_span(degree, curve.poles.len(), &curve.knots, u);
-            let [values, first, second] = basis_derivatives(degree, &curve.knots, span, u);
+            let span = basis::span(degree, &curve.knots, u);
+            let [values, first, second] = basis::functions(degree, &curve.knots, span, u);
             assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             assert!(first.iter().sum::<f64>().abs() < 1e-10);
             assert!(second.iter().sum::<f64>().abs() < 1e-8);

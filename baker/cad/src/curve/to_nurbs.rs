@@ -45,20 +45,12 @@ impl Curve {
 
     /// The control point between the ends of an arc, where the tangents meet, and its weight.
     fn shoulder(&self, [from, to]: [f64; 2]) -> (DVec3, f64) {
-        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        match self {
-            Self::Circle { frame, .. } | Self::Ellipse { frame, .. } => {
-                let weight = half.cos();
-                (frame.origin + (self.point(middle) - frame.origin) / weight, weight)
-            }
-            Self::Hyperbola { frame, .. } => {
-                let weight = half.cosh();
-                (frame.origin + (self.point(middle) - frame.origin) / weight, weight)
-            }
-            Self::Parabola { frame, focal_distance } => {
-                (frame.place(*focal_distance * DVec3::new(from * to, 2.0 * middle, 0.0)), 1.0)
-            }
-            Self::Line { .. } | Self::Nurbs(_) => (self.point(middle), 1.0),
-        }
+        let half = 0.5 * (to - from);
+        let weight = match self {
+            Self::Circle { .. } | Self::Ellipse { .. } => half.cos(),
+            Self::Hyperbola { .. } => half.cosh(),
+            _ => 1.0,
+        };
+        (self.tangents_meet(from, to), weight)
     }
 }

@@ -121,18 +121,19 @@ pub(crate) fn cut_net<P: Mix>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spline::samples::{Random, wavy};
+    use crate::random::SplitMix;
+    use crate::spline::samples::wavy;
     use crate::spline::split::patches;
 
     #[test]
     fn pieces_are_the_patch() {
-        let mut random = Random(3);
+        let mut random = SplitMix(3);
         let patch = &patches(&wavy(6))[4];
         for direction in 0..2 {
-            let at = random.within(0.1, 0.9);
+            let at = random.between(0.1, 0.9);
             let [below, above] = patch.cut(direction, at);
             for _ in 0..200 {
-                let unit = DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+                let unit = DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0));
                 let mut whole = unit;
                 whole[direction] *= at;
                 assert!(below.point(unit).distance(patch.point(whole)) < 1e-14);
@@ -144,11 +145,11 @@ mod tests {
 
     #[test]
     fn a_patch_lies_within_its_bounds() {
-        let mut random = Random(4);
+        let mut random = SplitMix(4);
         for patch in patches(&wavy(6)) {
             let [least, greatest] = patch.bounds();
             for _ in 0..200 {
-                let place = patch.point(DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0)));
+                let place = patch.point(DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0)));
                 assert!(place.cmpge(least).all() && place.cmple(greatest).all());
             }
         }

@@ -1,8 +1,9 @@
 //! Tests of rays against patches.
 
 use super::*;
+use crate::random::SplitMix;
 use crate::spline::patches;
-use crate::spline::samples::{Random, sphere, torus, wavy};
+use crate::spline::samples::{sphere, torus, wavy};
 use crate::surface::NurbsSurface;
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -37,12 +38,12 @@ fn closed_form(radius: f64, ray: &Ray) -> Vec<f64> {
 
 #[test]
 fn random_rays_meet_a_sphere_where_the_closed_form_says() {
-    let mut random = Random(10);
+    let mut random = SplitMix(10);
     let surface = sphere(2.0);
     let patches = patches(&surface);
     for _ in 0..20_000 {
-        let direction = random.within(0.1, 10.0) * random.direction();
-        let ray = Ray { origin: random.place(2.5) - random.within(0.0, 5.0) * direction, direction };
+        let direction = random.between(0.1, 10.0) * random.direction();
+        let ray = Ray { origin: random.place(2.5) - random.between(0.0, 5.0) * direction, direction };
         let expected = closed_form(2.0, &ray);
         let found = meet_all(&patches, &ray, ALL);
         assert_eq!(found.len(), expected.len(), "{ray:?}");
@@ -62,17 +63,17 @@ fn random_rays_meet_a_sphere_where_the_closed_form_says() {
 
 #[test]
 fn grazing_rays_meet_a_sphere_twice_or_not() {
-    let mut random = Random(11);
+    let mut random = SplitMix(11);
     let surface = sphere(2.0);
     let patches = patches(&surface);
     for index in 0..4000 {
         let normal = random.direction();
         let (tangent, other) = normal.any_orthonormal_pair();
-        let (sin, cos) = random.within(0.0, TAU).sin_cos();
+        let (sin, cos) = random.between(0.0, TAU).sin_cos();
         let direction = cos * tangent + sin * other;
         let offset = if index % 2 == 0 { 1e-7 } else { -1e-7 };
         let ray =
-            Ray { origin: 2.0 * (1.0 + offset) * normal - random.within(0.0, 9.0) * direction, direction };
+            Ray { origin: 2.0 * (1.0 + offset) * normal - random.between(0.0, 9.0) * direction, direction };
         let found = meet_all(&patches, &ray, ALL);
         assert_eq!(found.len(), if offset > 0.0 { 0 } else { 2 }, "{ray:?}");
         assert!(gap(&surface, &ray, &found) < 1e-11);
@@ -83,7 +84,7 @@ fn grazing_rays_meet_a_sphere_twice_or_not() {
 fn poles_seams_corners_and_tangents_are_met() {
     let surface = sphere(2.0);
     let patches = patches(&surface);
-    let mut random = Random(12);
+    let mut random = SplitMix(12);
     // Through the poles, from all sides.
     for sign in [-1.0, 1.0] {
         for _ in 0..500 {
@@ -98,7 +99,7 @@ fn poles_seams_corners_and_tangents_are_met() {
     // Through corners of patches, and through the seam.
     for _ in 0..500 {
         let direction = random.direction();
-        let angle = random.within(-1.5, 1.5);
+        let angle = random.between(-1.5, 1.5);
         for target in [DVec3::X, DVec3::Y, -DVec3::X, DVec3::new(angle.cos(), 0.0, angle.sin())] {
             let ray = Ray { origin: 2.0 * target - 3.0 * direction, direction };
             let found = meet_all(&patches, &ray, ALL);
@@ -122,7 +123,7 @@ fn poles_seams_corners_and_tangents_are_met() {
 
 #[test]
 fn rays_meet_a_torus_where_its_equation_says() {
-    let mut random = Random(13);
+    let mut random = SplitMix(13);
     let surface = torus(3.0, 1.0);
     let patches = patches(&surface);
     let outside = |place: DVec3| (place.truncate().length() - 3.0).hypot(place.z) - 1.0;
@@ -152,7 +153,7 @@ fn rays_meet_a_torus_where_its_equation_says() {
 
 #[test]
 fn random_rays_meet_a_wavy_surface_where_triangles_are() {
-    let mut random = Random(14);
+    let mut random = SplitMix(14);
     let surface = wavy(7);
     let patches = patches(&surface);
     const SIDE: usize = 400;
@@ -213,7 +214,7 @@ fn random_rays_meet_a_wavy_surface_where_triangles_are() {
 
 #[test]
 fn rays_cross_a_closed_surface_an_even_number_of_times() {
-    let mut random = Random(19);
+    let mut random = SplitMix(19);
     let surface = torus(3.0, 1.0);
     let patches = patches(&surface);
     for index in 0..20_000 {
@@ -222,12 +223,12 @@ fn rays_cross_a_closed_surface_an_even_number_of_times() {
             random.place(4.0)
         } else {
             // All but touching, from a little inside to a little outside.
-            let [u, v] = [random.within(0.0, 4.0), random.within(0.0, 4.0)];
+            let [u, v] = [random.between(0.0, 4.0), random.between(0.0, 4.0)];
             let [place, by_u, by_v] = surface.derivatives(DVec2::new(u, v));
             let normal = by_u.cross(by_v).normalize();
             let along = direction.reject_from(normal).normalize();
             let ray =
-                Ray { origin: place + random.within(-1e-6, 1e-6) * normal - 20.0 * along, direction: along };
+                Ray { origin: place + random.between(-1e-6, 1e-6) * normal - 20.0 * along, direction: along };
             let found = meet_all(&patches, &ray, ALL);
             assert!(found.len().is_multiple_of(2), "{ray:?} {found:?}");
             assert!(gap(&surface, &ray, &found) < 1e-11);
@@ -240,28 +241,28 @@ fn rays_cross_a_closed_surface_an_even_number_of_times() {
 
 #[test]
 fn a_ray_at_any_point_of_a_surface_meets_it_there() {
-    let mut random = Random(20);
+    let mut random = SplitMix(20);
     // Degree 3 in pieces, and one piece of degree 8.
     let steep = NurbsSurface::new(
         [8, 8],
         [0, 1].map(|_| [[0.0; 9], [1.0; 9]].concat()),
         [9, 9],
         (0..81)
-            .map(|index| DVec3::new((index / 9) as f64, (index % 9) as f64, random.within(-3.0, 3.0)))
+            .map(|index| DVec3::new((index / 9) as f64, (index % 9) as f64, random.between(-3.0, 3.0)))
             .collect(),
-        (0..81).map(|_| random.within(0.2, 5.0)).collect(),
+        (0..81).map(|_| random.between(0.2, 5.0)).collect(),
     )
     .unwrap();
     for (surface, count) in [(wavy(7), 20_000), (steep, 2_000)] {
         let patches = patches(&surface);
         let [low, high] = surface.domain();
         for index in 0..count {
-            let mut at = low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+            let mut at = low + (high - low) * DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0));
             // On corners and borders of the patches, and within them.
             for direction in 0..2 {
                 if index % 3 == 0 || index % 3 == 1 + direction {
                     let knots = &surface.knots[direction];
-                    at[direction] = knots[random.within(0.0, knots.len() as f64) as usize];
+                    at[direction] = knots[random.between(0.0, knots.len() as f64) as usize];
                 }
             }
             let [place, by_u, by_v] = surface.derivatives(at);
@@ -271,7 +272,7 @@ fn a_ray_at_any_point_of_a_surface_meets_it_there() {
             if is_tangent {
                 direction = direction.reject_from(normal).normalize();
             }
-            let distance = random.within(0.0, 30.0);
+            let distance = random.between(0.0, 30.0);
             let ray = Ray { origin: place - distance * direction, direction };
             let found = meet_all(&patches, &ray, ALL);
             assert!(gap(&surface, &ray, &found) < 1e-10, "{ray:?} {}", gap(&surface, &ray, &found));
@@ -300,10 +301,10 @@ fn rays_within_a_flat_patch_end() {
     )
     .unwrap();
     let patches = patches(&flat);
-    let mut random = Random(15);
+    let mut random = SplitMix(15);
     for _ in 0..100 {
-        let direction = DVec2::from_angle(random.within(0.0, TAU)).extend(0.0);
-        let through = DVec3::new(random.within(0.5, 2.5), random.within(0.5, 2.5), 0.0);
+        let direction = DVec2::from_angle(random.between(0.0, TAU)).extend(0.0);
+        let through = DVec3::new(random.between(0.5, 2.5), random.between(0.5, 2.5), 0.0);
         let ray = Ray { origin: through - 6.0 * direction, direction };
         let found = meet_all(&patches, &ray, ALL);
         assert!(!found.is_empty());
@@ -330,7 +331,7 @@ fn odd_rays_meet_nothing() {
 #[test]
 #[ignore = "a measurement"]
 fn speed() {
-    let mut random = Random(16);
+    let mut random = SplitMix(16);
     for (name, surface) in [("sphere", sphere(1.0)), ("wavy", wavy(7))] {
         let patches = patches(&surface);
         let patch = &patches[patches.len() / 2];
@@ -338,7 +339,7 @@ fn speed() {
         let rays: Vec<_> = (0..100_000)
             .map(|_| {
                 let direction = random.direction();
-                let spread = DVec3::from_array([0; 3].map(|_| random.within(0.0, 1.0)));
+                let spread = DVec3::from_array([0; 3].map(|_| random.between(0.0, 1.0)));
                 Ray { origin: least + spread * (greatest - least) - 4.0 * direction, direction }
             })
             .collect();
@@ -353,7 +354,7 @@ fn speed() {
         // Rays that touch, the dearest that are no accident.
         let touching: Vec<_> = (0..2000)
             .map(|_| {
-                let unit = DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+                let unit = DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0));
                 let at = patch.range[0] + unit * (patch.range[1] - patch.range[0]);
                 let [place, by_u, by_v] = surface.derivatives(at);
                 let direction = random.direction().reject_from(by_u.cross(by_v).normalize()).normalize();

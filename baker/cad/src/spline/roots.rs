@@ -237,7 +237,7 @@ impl Slopes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spline::samples::Random;
+    use crate::random::SplitMix;
 
     /// The net whose map is this one, of degree 2 in each direction and 3 in v alone at most: by interpolation.
     fn conic(f: impl Fn(DVec2) -> DVec2) -> PlaneNet {
@@ -254,10 +254,10 @@ mod tests {
 
     #[test]
     fn a_hull_is_apart_from_zero_where_a_line_parts_them() {
-        let mut random = Random(8);
+        let mut random = SplitMix(8);
         for _ in 0..20_000 {
             let points: Vec<_> =
-                (0..5).map(|_| DVec2::new(random.within(-1.0, 0.2), random.within(-1.0, 1.0))).collect();
+                (0..5).map(|_| DVec2::new(random.between(-1.0, 0.2), random.between(-1.0, 1.0))).collect();
             let expected = (0..3600).any(|step| {
                 let normal = DVec2::from_angle(f64::from(step) * std::f64::consts::TAU / 3600.0);
                 points.iter().all(|point| point.dot(normal) > 0.0)
@@ -276,10 +276,10 @@ mod tests {
     #[test]
     fn roots_of_a_circle_and_a_line() {
         // x² + y² = r² about the middle, and y = 0.2 + 0.1 x.
-        let mut random = Random(9);
+        let mut random = SplitMix(9);
         for _ in 0..2000 {
             let [radius, slope, offset] =
-                [random.within(0.1, 0.6), random.within(-1.0, 1.0), random.within(-0.5, 0.5)];
+                [random.between(0.1, 0.6), random.between(-1.0, 1.0), random.between(-0.5, 0.5)];
             let net = conic(|at| {
                 let at = at - 0.5;
                 DVec2::new(at.length_squared() - radius * radius, at.y - offset - slope * at.x)

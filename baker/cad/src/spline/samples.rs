@@ -1,34 +1,9 @@
 //! Surfaces and numbers for tests.
 
+use crate::random::SplitMix;
 use crate::surface::NurbsSurface;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
-
-/// Random numbers (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    /// Uniform within bounds.
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform within a cube.
-    pub fn place(&mut self, half_side: f64) -> DVec3 {
-        DVec3::from_array([0; 3].map(|_| self.within(-half_side, half_side)))
-    }
-
-    /// Uniform on the unit sphere.
-    pub fn direction(&mut self) -> DVec3 {
-        let z = self.within(-1.0, 1.0);
-        let (sin, cos) = self.within(0.0, std::f64::consts::TAU).sin_cos();
-        ((1.0 - z * z).sqrt() * DVec2::new(cos, sin)).extend(z)
-    }
-}
 
 /// A quadratic arc of quarter circles: knots, poles and weights.
 fn arc(quarters: usize, start: usize) -> (Vec<f64>, Vec<(DVec2, f64)>) {
@@ -86,17 +61,17 @@ pub fn torus(major: f64, minor: f64) -> NurbsSurface {
 
 /// A bicubic patch over [-1, 1]² with random heights, weights and knots, of as many control points in u and v, at least 5.
 pub fn wavy(count: usize) -> NurbsSurface {
-    let mut random = Random(7 + count as u64);
+    let mut random = SplitMix(7 + count as u64);
     let knots = [0, 1].map(|_| {
         let mut knots = vec![0.0; 4];
-        knots.extend((1..count - 3).map(|knot| knot as f64 + random.within(-0.3, 0.3)));
+        knots.extend((1..count - 3).map(|knot| knot as f64 + random.between(-0.3, 0.3)));
         knots.extend([(count - 3) as f64; 4]);
         knots
     });
     let side = |index: usize| 2.0 * index as f64 / (count - 1) as f64 - 1.0;
     let poles = (0..count * count)
-        .map(|index| DVec3::new(side(index / count), side(index % count), random.within(-0.6, 0.6)))
+        .map(|index| DVec3::new(side(index / count), side(index % count), random.between(-0.6, 0.6)))
         .collect();
-    let weights = (0..count * count).map(|_| random.within(0.5, 2.0)).collect();
+    let weights = (0..count * count).map(|_| random.between(0.5, 2.0)).collect();
     NurbsSurface::new([3, 3], knots, [count; 2], poles, weights).unwrap()
 }

@@ -81,11 +81,12 @@ fn bezier<P: Mix>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spline::samples::{Random, sphere, torus, wavy};
+    use crate::random::SplitMix;
+    use crate::spline::samples::{sphere, torus, wavy};
 
     #[test]
     fn patches_are_the_surface() {
-        let mut random = Random(5);
+        let mut random = SplitMix(5);
         // One whose knots do not repeat at the ends.
         let loose = NurbsSurface {
             knots: [(0..10).map(f64::from).collect(), (0..10).map(|i| f64::from(i * i)).collect()],
@@ -96,7 +97,7 @@ mod tests {
             assert_eq!(patches.len(), count);
             for patch in patches {
                 for _ in 0..50 {
-                    let unit = DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+                    let unit = DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0));
                     let at = patch.range[0] + unit * (patch.range[1] - patch.range[0]);
                     assert!(patch.point(unit).distance(surface.derivatives(at)[0]) < 1e-13);
                 }

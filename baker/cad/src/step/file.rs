@@ -170,6 +170,20 @@ fn bare(mut attribute: &Attribute) -> &Attribute {
     attribute
 }
 
+fn as_count(it: &Attribute) -> Option<usize> {
+    match bare(it) {
+        Attribute::Integer(value) => usize::try_from(*value).ok(),
+        _ => None,
+    }
+}
+
+fn as_row<T>(row: &Attribute, get: impl Fn(&Attribute) -> Option<T>) -> Option<Vec<T>> {
+    match row {
+        Attribute::List(row) => row.iter().map(get).collect(),
+        _ => None,
+    }
+}
+
 fn as_real(attribute: &Attribute) -> Option<f64> {
     match bare(attribute) {
         Attribute::Real(value) => Some(*value),
@@ -218,27 +232,17 @@ impl<'a> Fields<'a> {
 
     /// A list of lists of them.
     pub fn real_rows(&self, at: usize) -> Read<Vec<Vec<f64>>> {
-        self.each(self.list(at), |row| match row {
-            Attribute::List(row) => row.iter().map(as_real).collect(),
-            _ => None,
-        })
+        self.each(self.list(at), |row| as_row(row, as_real))
     }
 
     /// A count.
     pub fn count(&self, at: usize) -> Read<usize> {
-        let count = self.list.get(at).and_then(|it| match bare(it) {
-            Attribute::Integer(value) => usize::try_from(*value).ok(),
-            _ => None,
-        });
-        count.ok_or_else(|| broken(self.id))
+        self.list.get(at).and_then(|it| as_count(it)).ok_or_else(|| broken(self.id))
     }
 
     /// A list of them.
     pub fn counts(&self, at: usize) -> Read<Vec<usize>> {
-        self.each(self.list(at), |it| match bare(it) {
-            Attribute::Integer(value) => usize::try_from(*value).ok(),
-            _ => None,
-        })
+        self.each(self.list(at), as_count)
     }
 
     /// The number of another record.
@@ -258,10 +262,7 @@ impl<'a> Fields<'a> {
 
     /// A list of lists of them.
     pub fn reference_rows(&self, at: usize) -> Read<Vec<Vec<u64>>> {
-        self.each(self.list(at), |row| match row {
-            Attribute::List(row) => row.iter().map(as_reference).collect(),
-            _ => None,
-        })
+        self.each(self.list(at), |row| as_row(row, as_reference))
     }
 
     /// Those references in a list that there are, and the values that are none.

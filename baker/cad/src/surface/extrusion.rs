@@ -167,8 +167,8 @@ pub(crate) fn gauss_newton(rate: impl Fn(DVec2) -> [DVec3; 3], place: DVec3, at:
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
+    use crate::random::SplitMix;
 
     #[test]
     fn a_circle_along_its_axis_is_a_cylinder() {

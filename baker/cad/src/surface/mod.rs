@@ -6,12 +6,12 @@ mod cone;
 mod cylinder;
 mod extrusion;
 mod local_ray;
-mod meetings;
 pub mod nurbs;
 mod plane;
 mod polynomial;
 mod revolution;
 mod sphere;
+mod surface_hits;
 #[cfg(test)]
 mod swept_tests;
 #[cfg(test)]
@@ -23,9 +23,9 @@ use crate::frame::Frame;
 use angle::{angle_within, near_angle};
 use glam::{DVec2, DVec3};
 use local_ray::LocalRay;
-pub use meetings::SurfaceHits;
 pub use nurbs::NurbsSurface;
 use std::f64::consts::TAU;
+pub use surface_hits::SurfaceHits;
 
 /// A surface, untrimmed.
 #[derive(Clone, Debug, PartialEq)]

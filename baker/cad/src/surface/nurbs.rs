@@ -1,10 +1,7 @@
 //! NURBS surface.
 
-use crate::basis::{self, MAX_DEGREE};
+use crate::basis::{self, MAX_DEGREE, MAX_POLES};
 use glam::{DVec2, DVec3, DVec4};
-
-/// Most control points that a surface may have.
-pub const MAX_POLES: usize = 1_000_000;
 
 /// How close opposite borders of a closed surface lie, in multiples of its size.
 const CLOSURE: f64 = 1e-9;
@@ -110,8 +107,8 @@ impl NurbsSurface {
     pub fn derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let [p, q] = self.degrees;
         let spans = [basis::span(p, &self.knots[0], at.x), basis::span(q, &self.knots[1], at.y)];
-        let [values_u, slopes_u] = basis::functions(p, &self.knots[0], spans[0], at.x);
-        let [values_v, slopes_v] = basis::functions(q, &self.knots[1], spans[1], at.y);
+        let [values_u, slopes_u, _] = basis::functions(p, &self.knots[0], spans[0], at.x);
+        let [values_v, slopes_v, _] = basis::functions(q, &self.knots[1], spans[1], at.y);
         let [mut sum, mut sum_u, mut sum_v] = [DVec4::ZERO; 3];
         for i in 0..=p {
             let [mut row, mut row_v] = [DVec4::ZERO; 2];
@@ -169,16 +166,17 @@ fn are_knots(degree: usize, count: usize, knots: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spline::samples::{Random, sphere, torus, wavy};
+    use crate::random::SplitMix;
+    use crate::spline::samples::{sphere, torus, wavy};
 
     #[test]
     fn a_sphere_and_a_torus_are_exact() {
-        let mut random = Random(1);
+        let mut random = SplitMix(1);
         let [ball, ring] = [sphere(2.0), torus(3.0, 1.0)];
         assert_eq!(ball.periods(), [Some(4.0), None]);
         assert_eq!(ring.periods(), [Some(4.0), Some(4.0)]);
         for _ in 0..2000 {
-            let at = DVec2::new(random.within(0.0, 4.0), random.within(0.0, 2.0));
+            let at = DVec2::new(random.between(0.0, 4.0), random.between(0.0, 2.0));
             assert!((ball.derivatives(at)[0].length() - 2.0).abs() < 1e-12);
             let place = ring.derivatives(DVec2::new(at.x, 2.0 * at.y))[0];
             assert!(((place.truncate().length() - 3.0).hypot(place.z) - 1.0).abs() < 1e-12);
@@ -187,13 +185,13 @@ mod tests {
 
     #[test]
     fn derivatives_are_limits_of_differences() {
-        let mut random = Random(2);
+        let mut random = SplitMix(2);
         for surface in [sphere(2.0), torus(3.0, 1.0), wavy(5)] {
             let [low, high] = surface.domain();
             let step = 1e-6;
             for _ in 0..500 {
                 let at =
-                    low + (high - low) * DVec2::new(random.within(0.01, 0.99), random.within(0.01, 0.99));
+                    low + (high - low) * DVec2::new(random.between(0.01, 0.99), random.between(0.01, 0.99));
                 // At a knot of these conics the second derivative jumps.
                 if (at - at.round()).abs().min_element() < 1e-5 {
                     continue;
@@ -211,15 +209,15 @@ mod tests {
 
     #[test]
     fn points_are_inverted() {
-        let mut random = Random(17);
+        let mut random = SplitMix(17);
         for surface in [sphere(2.0), torus(3.0, 1.0), wavy(7)] {
             let [low, high] = surface.domain();
             for _ in 0..1000 {
-                let at = low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0));
+                let at = low + (high - low) * DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0));
                 let place = surface.derivatives(at)[0];
                 let found = surface.invert(place, None);
                 assert!(surface.derivatives(found)[0].distance(place) < 1e-12, "{at} {found}");
-                let nudge = DVec2::new(random.within(-0.05, 0.05), random.within(-0.05, 0.05));
+                let nudge = DVec2::new(random.between(-0.05, 0.05), random.between(-0.05, 0.05));
                 let found = surface.invert(place, Some(at + nudge));
                 assert!(surface.derivatives(found)[0].distance(place) < 1e-12, "{at} {found}");
                 assert!(found.cmpge(low).all() && found.cmple(high).all());
@@ -252,12 +250,12 @@ mod tests {
 
     #[test]
     fn bounds_hold_the_part_and_little_more() {
-        let mut random = Random(18);
+        let mut random = SplitMix(18);
         for surface in [sphere(2.0), torus(3.0, 1.0), wavy(7)] {
             let [low, high] = surface.domain();
             for _ in 0..300 {
                 let [a, b] = [0, 1].map(|_| {
-                    low + (high - low) * DVec2::new(random.within(0.0, 1.0), random.within(0.0, 1.0))
+                    low + (high - low) * DVec2::new(random.between(0.0, 1.0), random.between(0.0, 1.0))
                 });
                 let patch = [a.min(b), a.max(b)];
                 let [least, greatest] = surface.bounds(patch);

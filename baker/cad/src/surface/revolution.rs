@@ -138,8 +138,8 @@ fn half_plane(frame: &Frame, profile: &Curve) -> Option<f64> {
 mod tests {
     use super::super::extrusion::tests::agree_with_differences;
     use super::*;
-    use crate::curve::random::SplitMix;
     use crate::curve::tests::every_kind;
+    use crate::random::SplitMix;
 
     fn frame(numbers: &mut SplitMix) -> Frame {
         Frame::new(numbers.vector(), numbers.vector(), numbers.vector()).unwrap()

@@ -158,8 +158,8 @@ fn around([a, b]: [DVec2; 2], points: &[DVec2]) -> Option<Parallelogram> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::Random;
     use super::*;
+    use crate::random::SplitMix;
 
     /// Area of the parallelogram with sides in two directions around points.
     fn area_along(points: &[DVec2], angles: [f64; 2]) -> f64 {
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn no_pair_of_directions_has_a_smaller_one() {
-        let mut random = Random(1);
+        let mut random = SplitMix(1);
         for count in 3..60 {
             let stretch = DVec2::new(1.0, random.between(0.01, 1.0));
             let offset = random.point(DVec2::splat(-100.0), DVec2::splat(100.0));
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn parallelograms_are_their_own() {
-        let mut random = Random(2);
+        let mut random = SplitMix(2);
         for _ in 0..100 {
             let mut corner = || random.point(DVec2::splat(-5.0), DVec2::splat(5.0));
             let (o, a, b) = (corner(), corner(), corner());
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn arcs_are_within() {
-        let mut random = Random(3);
+        let mut random = SplitMix(3);
         for _ in 0..200 {
             let start = random.between(-7.0, 7.0);
             let arc = TrimEdge::Arc {

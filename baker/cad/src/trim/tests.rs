@@ -1,29 +1,9 @@
 //! Laws of the trapezoidal map, by brute force and closed forms.
 
 use super::{Coverage, TrapezoidalMap, TrimEdge, TrimError, TrimLoop};
+use crate::random::SplitMix;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Splitmix64.
-pub(super) struct Random(pub u64);
-
-impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub fn point(&mut self, low: DVec2, high: DVec2) -> DVec2 {
-        DVec2::new(self.between(low.x, high.x), self.between(low.y, high.y))
-    }
-}
 
 fn polygon(points: &[DVec2]) -> TrimLoop {
     let next = points.iter().cycle().skip(1);
@@ -43,7 +23,7 @@ fn circle(x: f64, y: f64, radius: f64) -> TrimLoop {
 }
 
 /// A star-shaped polygon.
-fn star(random: &mut Random, centre: DVec2, radius: f64, count: usize) -> TrimLoop {
+fn star(random: &mut SplitMix, centre: DVec2, radius: f64, count: usize) -> TrimLoop {
     let points: Vec<DVec2> = (0..count)
         .map(|i| {
             let angle = TAU * (i as f64 + random.between(-0.3, 0.3)) / count as f64;
@@ -54,7 +34,7 @@ fn star(random: &mut Random, centre: DVec2, radius: f64, count: usize) -> TrimLo
 }
 
 /// Arcs anywhere, joined by segments: crosses itself at will.
-fn tangle(random: &mut Random, count: usize) -> TrimLoop {
+fn tangle(random: &mut SplitMix, count: usize) -> TrimLoop {
     let mut edges: TrimLoop = Vec::new();
     for _ in 0..count {
         let start = random.between(-7.0, 7.0);
@@ -80,7 +60,7 @@ fn half_disc(centre: DVec2, radius: f64, turn: f64) -> TrimLoop {
 
 /// Loop sets, with their areas where there is a closed form.
 fn domains() -> Vec<(&'static str, Vec<TrimLoop>, Option<f64>)> {
-    let mut random = Random(7);
+    let mut random = SplitMix(7);
     let r = &mut random;
     let o = DVec2::ZERO;
     let p = DVec2::new;
@@ -226,7 +206,7 @@ fn is_within(loops: &[TrimLoop], at: DVec2) -> bool {
 
 #[test]
 fn contains_is_the_even_odd_rule() {
-    let mut random = Random(1);
+    let mut random = SplitMix(1);
     for (name, loops, _) in domains() {
         let map = TrapezoidalMap::new(&loops).unwrap();
         let [low, high] = map.bounds();
@@ -251,7 +231,7 @@ fn area_is_that_of_closed_forms() {
 
 #[test]
 fn area_is_that_of_random_points() {
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     for (name, loops, _) in domains().into_iter().filter(|domain| domain.2.is_none()) {
         let map = TrapezoidalMap::new(&loops).unwrap();
         let [low, high] = map.bounds();
@@ -270,7 +250,7 @@ fn area_is_that_of_random_points() {
 
 #[test]
 fn coverage_is_never_wrongly_empty_or_plain() {
-    let mut random = Random(3);
+    let mut random = SplitMix(3);
     for (name, loops, _) in domains() {
         let map = TrapezoidalMap::new(&loops).unwrap();
         let [low, high] = map.bounds();
@@ -330,7 +310,7 @@ fn plain_and_boundary_cells_bracket_the_area() {
 
 #[test]
 fn a_point_is_in_one_of_two_domains_on_an_edge() {
-    let mut random = Random(4);
+    let mut random = SplitMix(4);
     let corners = [DVec2::splat(-2.0), DVec2::new(2.0, -2.0), DVec2::splat(2.0), DVec2::new(-2.0, 2.0)];
     for _ in 0..200 {
         // A path from the left to the right side of a square; the square's halves have it both, one in reverse.
@@ -382,7 +362,7 @@ fn a_point_is_in_one_of_two_domains_on_an_edge() {
 /// The pieces of a grid of cells with common vertices: each point is in one cell.
 #[test]
 fn cells_of_a_grid_have_each_point_once() {
-    let mut random = Random(5);
+    let mut random = SplitMix(5);
     let vertices: Vec<DVec2> = (0..36)
         .map(|i| {
             DVec2::new(f64::from(i % 6), f64::from(i / 6))
@@ -472,7 +452,7 @@ fn a_domain_may_be_all_of_a_patch() {
 #[test]
 #[ignore = "a measurement"]
 fn speed_of_queries() {
-    let mut random = Random(6);
+    let mut random = SplitMix(6);
     let star = star(&mut random, DVec2::ZERO, 1.0, 1000);
     let arcs: Vec<TrimLoop> = (0..1000)
         .map(|_| {

@@ -4,10 +4,10 @@ use super::*;
 
 #[test]
 fn derivatives_are_those_of_differences() {
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     for Case { name, surface, patch, .. } in cases() {
         for _ in 0..1000 {
-            let at = random.within(patch);
+            let at = random.point(patch[0], patch[1]);
             let [_, along_u, along_v] = surface.derivatives(at);
             let h = 1e-5;
             for (axis, slope) in [(DVec2::X, along_u), (DVec2::Y, along_v)] {
@@ -24,7 +24,7 @@ fn derivatives_are_those_of_differences() {
 
 #[test]
 fn normals_have_limits_at_poles_and_apexes() {
-    let frame = Random(3).frame();
+    let frame = SplitMix(3).frame();
     let sphere = Surface::Sphere { frame, radius: 2.0 };
     assert!((sphere.normal(DVec2::new(1.0, FRAC_PI_2)) - frame.z).length() < 1e-15);
     assert!((sphere.normal(DVec2::new(1.0, -FRAC_PI_2)) + frame.z).length() < 1e-15);
@@ -49,10 +49,10 @@ fn a_normal_where_derivatives_vanish() {
 
 #[test]
 fn inversion_gives_back_parameters() {
-    let mut random = Random(4);
+    let mut random = SplitMix(4);
     for Case { name, surface, size, patch } in cases() {
         for i in 0..10_000 {
-            let mut at = random.within(patch);
+            let mut at = random.point(patch[0], patch[1]);
             // Some near the ends of the patch: poles, apexes.
             if i % 4 == 0 {
                 let near = 10f64.powf(random.between(-6.0, -1.0));
@@ -79,13 +79,13 @@ fn inversion_gives_back_parameters() {
 
 #[test]
 fn inversion_finds_the_nearest_point() {
-    let mut random = Random(5);
+    let mut random = SplitMix(5);
     for Case { name, surface, size, patch } in cases() {
         for _ in 0..200 {
-            let place = frame_of(&surface).place(random.between(0.0, 1.2 * size) * random.unit());
+            let place = frame_of(&surface).place(random.between(0.0, 1.2 * size) * random.direction());
             let nearest = (surface.point(surface.invert(place, None)) - place).length();
             for _ in 0..500 {
-                let sample = (surface.point(random.within(patch)) - place).length();
+                let sample = (surface.point(random.point(patch[0], patch[1])) - place).length();
                 assert!(nearest <= sample + 1e-12, "{name} {nearest} {sample}");
             }
         }
@@ -94,7 +94,7 @@ fn inversion_finds_the_nearest_point() {
 
 #[test]
 fn undetermined_angles_are_those_nearby() {
-    let frame = Random(6).frame();
+    let frame = SplitMix(6).frame();
     let near = DVec2::new(13.0, 0.3);
     let surfaces = [
         Surface::Cylinder { frame, radius: 1.0 },
@@ -116,10 +116,10 @@ fn undetermined_angles_are_those_nearby() {
 
 #[test]
 fn bounds_hold_the_patch_and_are_tight() {
-    let mut random = Random(13);
+    let mut random = SplitMix(13);
     for Case { name, surface, size, patch } in cases() {
         for i in 0..200 {
-            let [a, b] = [random.within(patch), random.within(patch)];
+            let [a, b] = [random.point(patch[0], patch[1]), random.point(patch[0], patch[1])];
             let shift = DVec2::X * if i % 3 == 0 { random.between(-9.0, 9.0) } else { 0.0 };
             let part = [a.min(b) + shift, a.max(b) + shift];
             let [low, high] = surface.bounds(part);
@@ -146,10 +146,10 @@ fn bounds_hold_the_patch_and_are_tight() {
 
 #[test]
 fn areas_are_those_of_quadrature() {
-    let mut random = Random(14);
+    let mut random = SplitMix(14);
     for Case { name, surface, patch, .. } in cases() {
         for _ in 0..100 {
-            let [a, b] = [random.within(patch), random.within(patch)];
+            let [a, b] = [random.point(patch[0], patch[1]), random.point(patch[0], patch[1])];
             let mut parts = vec![[a.min(b), a.max(b)]];
             // |σᵤ × σᵥ| has a kink at an apex.
             if let Surface::Cone { radius, half_angle, .. } = surface {

@@ -21,7 +21,7 @@ fn implicit(surface: &Surface, place: DVec3) -> f64 {
 fn meetings_are_where_the_sign_changes() {
     const STEPS: usize = 2000;
     const RAYS: usize = 20_000;
-    let mut random = Random(7);
+    let mut random = SplitMix(7);
     for Case { name, surface, size, patch } in cases() {
         let frame = frame_of(&surface);
         let has_ends = matches!(surface, Surface::Plane(_) | Surface::Cylinder { .. } | Surface::Cone { .. });
@@ -29,12 +29,12 @@ fn meetings_are_where_the_sign_changes() {
         let mut met = 0;
         for i in 0..RAYS {
             let far = if i % 10 == 0 { 1e4 * size } else { 2.0 * size };
-            let through = random.between(0.0, 1.3 * size) * random.unit();
+            let through = random.between(0.0, 1.3 * size) * random.direction();
             let direction = match i % 7 {
                 0 => DVec3::Z,
-                1 => DVec3::new(random.next() - 0.5, random.next() - 0.5, 0.0).normalize(),
-                2 => (DVec3::Z + 1e-5 * random.unit()).normalize(),
-                _ => random.unit(),
+                1 => DVec3::new(random.unit() - 0.5, random.unit() - 0.5, 0.0).normalize(),
+                2 => (DVec3::Z + 1e-5 * random.direction()).normalize(),
+                _ => random.direction(),
             };
             let through = if i % 21 == 1 { through.with_z(0.0) } else { through };
             let length = 10f64.powf(random.between(-3.0, 3.0));
@@ -94,7 +94,7 @@ fn meetings_are_where_the_sign_changes() {
 /// A ray at a point's tangent, moved along the normal: within the surface twice met, outside not.
 #[test]
 fn grazing_rays_meet_twice_or_not_at_all() {
-    let mut random = Random(8);
+    let mut random = SplitMix(8);
     for Case { name, surface, size, patch } in cases() {
         // The centre of curvature lies within, or the surface is not curved so.
         let range_of_v = match surface {
@@ -140,7 +140,7 @@ fn grazing_rays_meet_twice_or_not_at_all() {
 
 #[test]
 fn cones_are_met_on_the_nappe_of_the_patch() {
-    let frame = Random(9).frame();
+    let frame = SplitMix(9).frame();
     let surface = Surface::Cone { frame, radius: 0.0, half_angle: 0.5 };
     let ray = Ray { origin: frame.place(DVec3::new(0.1, 0.0, -9.0)), direction: frame.z };
     let mut found = SurfaceHits::default();
@@ -155,9 +155,9 @@ fn cones_are_met_on_the_nappe_of_the_patch() {
     assert_eq!(met(0.0, 3.0, &mut found), 1);
     assert_eq!(met(-3.0, 0.0, &mut found), 1);
     // Through the apex, at all angles: on either nappe, or at the apex itself.
-    let mut random = Random(10);
+    let mut random = SplitMix(10);
     for _ in 0..10_000 {
-        let direction = random.unit();
+        let direction = random.direction();
         let ray = Ray { origin: frame.origin - 3.0 * direction, direction };
         let whole = [DVec2::new(0.0, -9.0), DVec2::new(TAU, 9.0)];
         surface.meet(&ray, &whole, [0.0, f64::INFINITY], &mut found);
@@ -175,19 +175,19 @@ fn cones_are_met_on_the_nappe_of_the_patch() {
 
 #[test]
 fn a_patch_holds_what_of_the_whole_lies_in_it() {
-    let mut random = Random(11);
+    let mut random = SplitMix(11);
     for Case { name, surface, size, patch } in cases() {
         let frame = frame_of(&surface);
         let [mut all, mut some] = [SurfaceHits::default(), SurfaceHits::default()];
         for _ in 0..20_000 {
             let ray = Ray {
-                origin: frame.place(random.between(0.0, 2.0 * size) * random.unit()),
-                direction: random.unit(),
+                origin: frame.place(random.between(0.0, 2.0 * size) * random.direction()),
+                direction: random.direction(),
             };
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             surface.meet(&ray, &patch, everywhere, &mut all);
             // A part of it, by whole turns anywhere.
-            let [a, b] = [random.within(patch), random.within(patch)];
+            let [a, b] = [random.point(patch[0], patch[1]), random.point(patch[0], patch[1])];
             let mut part = [a.min(b), a.max(b)];
             let [turn_u, turn_v] = surface.periods().map(|period| period.unwrap_or(0.0));
             let shift = DVec2::new(turn_u, turn_v) * random.between(-3.0, 3.0).floor();
@@ -217,7 +217,7 @@ fn a_patch_holds_what_of_the_whole_lies_in_it() {
 #[test]
 fn patches_side_by_side_have_no_gap() {
     // Angles at random, also those of the border, brought into patches that border on each other turns away.
-    let mut random = Random(12);
+    let mut random = SplitMix(12);
     for _ in 0..100_000 {
         let border = random.between(-20.0, 20.0);
         let other = border + random.between(0.1, TAU - 0.1);

@@ -5,40 +5,8 @@ mod meet;
 mod torus;
 
 use super::*;
+use crate::random::SplitMix;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// SplitMix64 (Steele, Lea and Flood, 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn unit(&mut self) -> DVec3 {
-        let z = self.between(-1.0, 1.0);
-        let u = self.between(0.0, TAU);
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * u.cos(), r * u.sin(), z)
-    }
-
-    fn within(&mut self, [low, high]: [DVec2; 2]) -> DVec2 {
-        DVec2::new(self.between(low.x, high.x), self.between(low.y, high.y))
-    }
-
-    fn frame(&mut self) -> Frame {
-        let origin = self.between(0.0, 3.0) * self.unit();
-        Frame::new(origin, self.unit(), self.unit()).unwrap()
-    }
-}
 
 /// A surface, its size, and a patch that holds what a test looks at.
 struct Case {
@@ -54,7 +22,7 @@ fn case(name: &'static str, surface: Surface, size: f64, u: [f64; 2], v: [f64; 2
 
 /// Surfaces of all kinds, each turned and moved at random.
 fn cases() -> Vec<Case> {
-    let mut random = Random(1);
+    let mut random = SplitMix(1);
     let mut frame = || random.frame();
     let turn = [0.0, TAU];
     let cone = |frame, radius, half_angle| Surface::Cone { frame, radius, half_angle };

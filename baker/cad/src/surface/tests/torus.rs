@@ -5,7 +5,7 @@ use super::*;
 /// On the side of the hole a torus bends outward along its circles: a ray beside one is met twice outside, not within.
 #[test]
 fn grazing_rays_in_the_hole_of_a_torus() {
-    let mut random = Random(15);
+    let mut random = SplitMix(15);
     let frame = random.frame();
     for (major, minor) in [(1.0, 0.4), (1.0, 0.01), (0.7, 0.6)] {
         let surface = Surface::Torus { frame, major, minor };
@@ -113,7 +113,7 @@ fn rays_that_are_hard_for_a_torus() {
 /// Rays a distance of 1e-7 and of 1e-13 of the size within and outside of a tangent, for tori from R / r = 1e5 to 1/3.
 #[test]
 fn no_pair_is_lost_at_any_thickness() {
-    let mut random = Random(16);
+    let mut random = SplitMix(16);
     let patch = [DVec2::ZERO, DVec2::splat(TAU)];
     let mut found = SurfaceHits::default();
     for offset in [1e-7, 1e-13] {
