@@ -5,7 +5,7 @@ use super::picture::{PictureArgs, Rows, shot_or_own};
 use anyhow::Result;
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
-use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::SceneSurfaces;
 use rebounce::io::files::Disk;
 use rebounce::light::illumination::Illumination;
 use rebounce::scene::emissive_groups;
@@ -56,7 +56,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let groups = emissive_groups(&scene);
     let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
     let (shot, environment) = args.picture.lit(shot, &names, scene.environment.clone())?;
-    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let surfaces = SceneSurfaces::from_scene(&scene);
     let illumination =
         Illumination::of_scene(&surfaces, &shot.lights, scene.origin, &groups, environment.as_ref());
     let exposure = args.picture.exposure(&shot, args.spp);
@@ -67,5 +67,12 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     rows.finish();
     let frame = shot.camera.frame(scene.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();
-    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, None)
+    args.picture.write(
+        &picture,
+        (&surfaces, surfaces.triangles().has_unlit()),
+        &frame,
+        &lights,
+        exposure,
+        None,
+    )
 }

@@ -5,8 +5,7 @@ use super::stages::{Recipe, sketch_settings};
 use super::stand_in::Staged;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, BakeSolver, Checkpoint, Observer, Stage, choose_emitter};
-use crate::geometry::mesh::TriangleSurfaces;
-use crate::geometry::{Surfaces, Tessellate};
+use crate::geometry::{SceneSurfaces, Surfaces, Tessellate};
 use crate::job::Job;
 use crate::job::communicator::{Communicator, CommunicatorError, run_blocking};
 use crate::job::watch::Watch;
@@ -39,13 +38,14 @@ pub(super) struct Built<B> {
     transmittance: Vec<f32>,
 }
 
-impl Built<Box<TriangleSurfaces>> {
-    /// The simplified triangles of a scene.
-    pub(super) fn of_triangles(scene: &Scene) -> Self {
-        let surfaces = Box::new(TriangleSurfaces::simplified(scene));
-        let (triangles, primitives) = (surfaces.triangle_count() as u64, surfaces.piece_count());
+impl Built<Box<SceneSurfaces>> {
+    /// The simplified triangles of a scene, and its exact faces.
+    pub(super) fn of_scene(scene: &Scene) -> Self {
+        let surfaces = Box::new(SceneSurfaces::simplified(scene));
+        let (triangles, primitives) =
+            (surfaces.triangles().triangle_count() as u64, surfaces.primitive_count());
         let has_groups = !scene.groups.is_empty();
-        let transmittance = if has_groups { surfaces.mean_transmittance() } else { Vec::new() };
+        let transmittance = if has_groups { surfaces.triangles().mean_transmittance() } else { Vec::new() };
         Self { surfaces, triangles, primitives, transmittance }
     }
 }
@@ -73,7 +73,7 @@ impl<'a> Baker<'a> {
         Self { communicator, ..self }
     }
 
-    /// Bakes a scene of triangles.
+    /// Bakes a scene.
     ///
     /// # Errors
     /// [`BakeError`]; finished work is in the checkpoint.
@@ -81,24 +81,24 @@ impl<'a> Baker<'a> {
         self.bake_with(scene, &self.settings.solver)
     }
 
-    /// Bakes a scene of triangles with members that do not block: the workers of a web page. The future waits for nothing
+    /// Bakes a scene with members that do not block: the workers of a web page. The future waits for nothing
     /// but their messages.
     ///
     /// # Errors
     /// [`BakeError`]; finished work is in the checkpoint.
     pub async fn bake_async(&self, scene: &Scene) -> Baked {
-        self.run(scene, || Built::of_triangles(scene), &self.settings.solver).await
+        self.run(scene, || Built::of_scene(scene), &self.settings.solver).await
     }
 
-    /// Bakes a scene of triangles with a solver.
+    /// Bakes a scene with a solver.
     ///
     /// # Errors
     /// [`BakeError`]; finished work is in the checkpoint.
     pub fn bake_with<V>(&self, scene: &Scene, solver: &V) -> Baked
     where
-        V: Solver<TriangleSurfaces, Solution = Operator>,
+        V: Solver<SceneSurfaces, Solution = Operator>,
     {
-        blocking(self.run(scene, || Built::of_triangles(scene), solver))
+        blocking(self.run(scene, || Built::of_scene(scene), solver))
     }
 
     /// Bakes any surfaces with a solver. `scene` has their materials, lights and cameras, and no triangles: pictures

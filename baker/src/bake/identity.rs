@@ -108,6 +108,7 @@ fn digest(scene: &Scene) -> String {
         triangle_material,
         corner_colors,
         models,
+        brep,
         materials,
         light_groups,
         groups,
@@ -138,6 +139,12 @@ fn digest(scene: &Scene) -> String {
         let places: Vec<[f32; 12]> = local_from_model.iter().map(glam::Affine3A::to_cols_array).collect();
         add(bytemuck::cast_slice(&places));
         add(format!("{triangles:?} {vertices:?} {bounds:?}").as_bytes());
+    }
+    for face in brep.iter().flat_map(|brep| &brep.faces) {
+        add(format!("{:?} {}", face.face, face.material).as_bytes());
+    }
+    for instance in brep.iter().flat_map(|brep| &brep.instances) {
+        add(format!("{instance:?}").as_bytes());
     }
     // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());

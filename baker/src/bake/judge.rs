@@ -1,6 +1,7 @@
 //! Error of baked light against ground truth: compares the bounced light of a path tracer with the bounced light of the
 //! baked file, in one view under the view's lamps, with [`compare`].
 
+use crate::geometry::SceneSurfaces;
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
@@ -116,7 +117,7 @@ impl<'a> Judge<'a> {
         (size, samples): ([u32; 2], u32),
         row_done: impl Fn() + Sync,
     ) -> Result<Self, JudgeError> {
-        let surfaces = TriangleSurfaces::from_scene(scene);
+        let surfaces = SceneSurfaces::from_scene(scene);
         let seen = seen(&surfaces, scene, shot, size);
         let black = Picture { width: size[0], height: size[1], pixels: Vec::new() };
         let truth = [black.clone(), black];
@@ -137,7 +138,7 @@ impl<'a> Judge<'a> {
     /// Path-traces a ground-truth picture.
     fn traced(
         &self,
-        surfaces: &TriangleSurfaces,
+        surfaces: &SceneSurfaces,
         seed: u64,
         samples: u32,
         row_done: impl Fn() + Sync,
@@ -169,7 +170,7 @@ impl<'a> Judge<'a> {
 
     /// Doubles the ground-truth samples, with new seeds. `row_done` as for [`Self::new`].
     fn sample_on(&mut self, row_done: impl Fn() + Sync) {
-        let surfaces = TriangleSurfaces::from_scene(self.scene);
+        let surfaces = SceneSurfaces::from_scene(self.scene);
         for picture in 0..2 {
             // Seeds 1 and 2 are the initial pictures, seed 3 is the file's picture.
             let seed = u64::from(4 + 2 * self.doubled) + picture as u64;
@@ -264,7 +265,7 @@ impl<'a> Judge<'a> {
 /// Returns material index and position at the centre of each pixel; `None` without a hit, or if the surfaces have no
 /// [primitives](Surfaces::primitives).
 fn seen(
-    surfaces: &TriangleSurfaces,
+    surfaces: &SceneSurfaces,
     scene: &Scene,
     shot: &Shot,
     [width, height]: [u32; 2],

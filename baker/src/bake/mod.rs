@@ -36,8 +36,8 @@ pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_mem
 pub use solve::{SolveSettings, solve};
 pub use solve_report::SolveReport;
 
+use crate::geometry::SceneSurfaces;
 use crate::geometry::Surfaces;
-use crate::geometry::mesh::TriangleSurfaces;
 use crate::job::communicator::CommunicatorError;
 use crate::job::watch::Stopped;
 use crate::sampling::emitter::{ParticleEmitter, View};
@@ -139,7 +139,7 @@ pub fn lights_and_cameras(
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);
     }
-    let surfaces = TriangleSurfaces::simplified(scene);
+    let surfaces = SceneSurfaces::simplified(scene);
     let emitter = choose_emitter(scene, &surfaces, settings)?;
     let staged = Staged::new(scene, &emitter, &surfaces);
     Ok((staged.lights, staged.cameras))

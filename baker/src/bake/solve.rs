@@ -41,7 +41,7 @@ pub fn solve(scene: &Scene, settings: &SolveSettings) -> Result<(BakedScene, Sol
     let baker = Baker::new(&settings.bake);
     let solved = baker.prepared(
         scene,
-        || Built::of_triangles(scene),
+        || Built::of_scene(scene),
         false,
         async |recipe, tracker, report| recipe.solve(settings, tracker, report).await,
     );

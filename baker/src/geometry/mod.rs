@@ -5,13 +5,17 @@
 //! that data at hits is precomputed instead of evaluated per hit, and [`Tessellate`], so that it can be drawn.
 //! [`Emitters`] lets a path tracer sample what shines. `examples/implicit.rs` bakes metaballs and a quadric.
 
+pub mod brep;
+mod bvh8;
 mod emitters;
 pub mod mesh;
+mod scene_surfaces;
 pub mod simplify;
 mod tessellate;
 pub mod with_lights;
 
 pub use emitters::{EmissiveTriangle, Emitters, HitEmitter};
+pub use scene_surfaces::SceneSurfaces;
 pub use tessellate::Tessellate;
 
 use glam::{Vec2, Vec3};

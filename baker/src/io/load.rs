@@ -5,9 +5,11 @@ use super::files::Disk;
 use super::options::LoadOptions;
 #[cfg(feature = "demo-scenes")]
 use super::options::UNUSED_ALBEDO;
+use super::step;
 use crate::scene::{Scene, SceneError};
+use std::path::Path;
 
-/// Loads a scene: the path of a .gltf or .glb file, or `builtin:NAME`.
+/// Loads a scene: the path of a .gltf, .glb, .step or .stp file, or `builtin:NAME`.
 ///
 /// # Errors
 /// [`SceneError`], with the file's name and advice.
@@ -34,14 +36,8 @@ pub fn load_by_name(files: &dyn Files, spec: &str, options: &LoadOptions) -> Res
     }
 }
 
-#[cfg(feature = "gltf")]
 fn file(files: &dyn Files, path: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
-    load_from(files, std::path::Path::new(path), options)
-}
-
-#[cfg(not(feature = "gltf"))]
-fn file(_: &dyn Files, path: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
-    Err(SceneError::WithoutFeature { what: path.to_owned(), feature: "gltf" })
+    load_from(files, Path::new(path), options)
 }
 
 #[cfg(feature = "demo-scenes")]
@@ -63,18 +59,26 @@ fn builtin(spec: &str, _: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
     Err(SceneError::WithoutFeature { what: spec.to_owned(), feature: "demo-scenes" })
 }
 
-/// Loads a .gltf or .glb file from any source of files: a disk ([`Disk`]), memory
+/// Loads a .gltf, .glb, .step or .stp file from any source of files: a disk ([`Disk`]), memory
 /// ([`Memory`](super::files::Memory)). Files that the scene refers to are looked up beside the scene's file.
 ///
 /// # Errors
 /// [`SceneError`], with the file's name and advice.
+pub fn load_from(files: &dyn Files, path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+    match step::is_step(path) {
+        true => step::load(files, path, options),
+        false => gltf(files, path, options),
+    }
+}
+
 #[cfg(feature = "gltf")]
-pub fn load_from(
-    files: &dyn Files,
-    path: &std::path::Path,
-    options: &LoadOptions,
-) -> Result<Scene, SceneError> {
+fn gltf(files: &dyn Files, path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     super::gltf::load(files, path, options)
+}
+
+#[cfg(not(feature = "gltf"))]
+fn gltf(_: &dyn Files, path: &Path, _: &LoadOptions) -> Result<Scene, SceneError> {
+    Err(SceneError::WithoutFeature { what: path.display().to_string(), feature: "gltf" })
 }
 
 /// Loads a scene from the bytes of a .gltf or .glb file. `name` is the file's name in errors and the scene's name;

@@ -1,7 +1,7 @@
-//! Files: scenes (glTF 2.0), pictures, SHOT.json, and atomic writes.
+//! Files: scenes (glTF 2.0, STEP), pictures, SHOT.json, and atomic writes.
 //!
-//! * [`load()`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
-//! * `gltf` – the reader; `other_format` – files of other formats, with advice for conversion to glTF;
+//! * [`load()`] – loads a scene: a .gltf, .glb or .step file, or `builtin:NAME`; [`files`] – where its bytes come from;
+//! * `gltf`, `step` – the readers; `other_format` – files of other formats, with advice for conversion to glTF;
 //! * [`save()`] – saves a baked file;
 //! * [`mod@environment`] – light from infinitely far: .hdr, .exr, Ultra HDR .jpg;
 //! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
@@ -18,11 +18,12 @@ mod other_format;
 pub mod picture;
 mod save;
 pub mod shot;
+mod step;
 pub mod write;
 
 pub use files::Files;
 #[cfg(feature = "gltf")]
-pub use load::{from_bytes, load_from};
-pub use load::{load, load_by_name, load_with};
+pub use load::from_bytes;
+pub use load::{load, load_by_name, load_from, load_with};
 pub use options::{GroupOption, LoadOptions};
 pub use save::{SaveError, save};

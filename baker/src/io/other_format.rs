@@ -11,8 +11,11 @@ const IMPORT: &str = "in Blender choose File > Import, then File > Export > glTF
 const EXPORT: &str =
     "export it as glTF 2.0 from the program that made it, or as FBX or OBJ, which Blender makes into glTF";
 
+/// Advice for CAD files that have solids.
+const STEP: &str = "export it as STEP (AP214 or AP242) from the program that made it";
+
 /// File extensions, description of the format, and advice for conversion to glTF.
-const FORMATS: [(&[&str], &str, &str); 13] = [
+const FORMATS: [(&[&str], &str, &str); 14] = [
     (&["blend"], "a Blender file", OPEN),
     (&["obj"], "a Wavefront OBJ file", IMPORT),
     (&["fbx"], "an FBX file", IMPORT),
@@ -24,7 +27,12 @@ const FORMATS: [(&[&str], &str, &str); 13] = [
     (&["skp"], "a SketchUp file", EXPORT),
     (&["max", "3ds"], "a 3ds Max file", EXPORT),
     (&["ma", "mb", "c4d", "3dm"], "a file of a modelling program", EXPORT),
-    (&["ifc", "rvt", "step", "stp", "dwg", "dxf"], "a CAD file", EXPORT),
+    (&["ifc", "rvt", "dwg", "dxf"], "a CAD file", EXPORT),
+    (
+        &["igs", "iges", "sat", "x_t", "x_b", "sldprt", "sldasm", "ipt", "iam", "catpart", "fcstd"],
+        "a CAD file",
+        STEP,
+    ),
     (&["x3d", "wrl", "3mf"], "a file of another 3D format", EXPORT),
 ];
 

@@ -48,8 +48,18 @@ pub enum SceneError {
         /// The file.
         file: String,
     },
+    /// The STEP file cannot be read.
+    #[error("{file}: {problem}")]
+    Step {
+        /// The file.
+        file: String,
+        /// Problem and advice.
+        problem: String,
+    },
     /// The file is of another format.
-    #[error("{file} is {format}, and what is read is glTF 2.0 (.glb or .gltf): {advice}")]
+    #[error(
+        "{file} is {format}, and what is read is glTF 2.0 (.glb or .gltf) and STEP (.step or .stp): {advice}"
+    )]
     OtherFormat {
         /// The file.
         file: String,

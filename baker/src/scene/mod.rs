@@ -3,11 +3,13 @@
 //! * [`world_mesh`] – world-space triangles, before conversion into a [`Scene`];
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
-//! * [`model`] – instanced meshes;
+//! * [`model`] – instanced meshes; [`brep`] – exact faces; [`assembly`] – scenes from CAD assemblies;
 //! * `colours` – vertex colours; `emissive` – groups of emissive surfaces; [`groups`] – reconstruction groups;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
+pub mod assembly;
 mod basis_universal;
+pub mod brep;
 mod colours;
 pub mod detail;
 mod emissive;
@@ -28,6 +30,7 @@ pub use error::SceneError;
 pub use model::InstancedMesh;
 pub use texture::Texture;
 
+use brep::Brep;
 use glam::{Vec2, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::environment::Environment;
@@ -64,6 +67,8 @@ pub struct Scene {
     /// Instanced meshes, in the order of the models' vertices and triangles at the end of [`Self::positions`] and
     /// [`Self::triangles`].
     pub models: Vec<InstancedMesh>,
+    /// Exact faces that rays meet instead of their tessellation among the triangles; `None` without CAD parts.
+    pub brep: Option<Arc<Brep>>,
     /// Materials of the triangles.
     pub materials: Vec<Material>,
     /// Names of groups of shining surfaces, one per material; `None`, and beyond the list, the material is a group.
@@ -141,6 +146,7 @@ impl Scene {
             triangle_material,
             corner_colors: Vec::new(),
             models: Vec::new(),
+            brep: None,
             ..self.clone()
         }
     }

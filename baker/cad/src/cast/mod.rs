@@ -95,25 +95,39 @@ impl CastFace {
         if self.is_reversed { -normal } else { normal }
     }
 
-    /// The nearest meeting of a ray with a piece, at distances from the first to the second.
-    pub fn nearest(&self, piece: &FacePiece, ray: &Ray, distances: [f64; 2]) -> Option<SurfaceHit> {
-        let belongs = |meeting: &SurfaceHit| piece.is_plain || self.map.contains(meeting.at);
+    /// The nearest hit of a ray with a piece, at distances from the first to the second, of those that `is_wanted`.
+    pub fn nearest(
+        &self,
+        piece: &FacePiece,
+        ray: &Ray,
+        distances: [f64; 2],
+        is_wanted: impl Fn(&SurfaceHit) -> bool,
+    ) -> Option<SurfaceHit> {
+        let belongs = |hit: &SurfaceHit| (piece.is_plain || self.map.contains(hit.at)) && is_wanted(hit);
         match &piece.shape {
             PieceShape::Patch(patch) => {
                 let mut found = SurfaceHits::default();
                 self.surface.meet(ray, patch, distances, &mut found);
                 found.iter().copied().find(belongs)
             }
-            PieceShape::Bezier(patch) => Self::first(patch, ray, distances, |meeting| meeting).find(belongs),
+            PieceShape::Bezier(patch) => Self::first(patch, ray, distances, |hit| hit).find(belongs),
             PieceShape::Swept(patch) => {
-                let exact = |meeting: SurfaceHit| {
-                    let place = ray.origin + meeting.distance * ray.direction;
-                    let at = self.surface.invert(place, Some(meeting.at));
-                    SurfaceHit { at, ..meeting }
-                };
+                let exact = |hit: SurfaceHit| SurfaceHit { at: self.swept(ray, &hit), ..hit };
                 Self::first(patch, ray, distances, exact).find(belongs)
             }
         }
+    }
+
+    /// Parameters of a swept surface at a hit of a ray with the spline that it is met as.
+    fn swept(&self, ray: &Ray, hit: &SurfaceHit) -> DVec2 {
+        let [low, high] = self.map.bounds();
+        let known = match &self.surface {
+            Surface::Revolution { profile, .. } => sweep::of_revolution(profile, [low.x, high.x], hit.at),
+            Surface::Extrusion { profile, .. } => sweep::of_extrusion(profile, hit.at),
+            _ => None,
+        };
+        let position = || ray.origin + hit.distance * ray.direction;
+        known.unwrap_or_else(|| self.surface.invert(position(), Some(hit.at)))
     }
 
     /// Hits of a ray with a Bézier patch, near ones first.

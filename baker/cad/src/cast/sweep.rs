@@ -9,11 +9,39 @@ use std::f64::consts::FRAC_PI_2;
 /// Most arcs of a turn.
 const MOST_ARCS: f64 = 64.0;
 
+/// Number of rational arcs of at most 90 degrees for a turn from one angle to another, and the angle of each.
+fn arcs(low: f64, high: f64) -> (usize, f64) {
+    let arcs = ((high - low) / FRAC_PI_2 - 1e-9).ceil().clamp(1.0, MOST_ARCS);
+    (arcs as usize, (high - low) / arcs)
+}
+
+/// Whether a NURBS curve made of this one has its parameters everywhere.
+fn keeps_parameters(profile: &Curve) -> bool {
+    matches!(profile, Curve::Line { .. } | Curve::Nurbs(_))
+}
+
+/// Parameters of a surface of revolution, for those of the spline that [`revolution`] makes of it with these least and greatest
+/// angles; `None` if the profile's cannot be told.
+pub(super) fn of_revolution(profile: &Curve, [low, high]: [f64; 2], at: DVec2) -> Option<DVec2> {
+    let (count, step) = arcs(low, high);
+    let arc = ((at.x - low) / step).floor().clamp(0.0, (count - 1) as f64);
+    let t = (at.x - low) / step - arc;
+    // The rational quadratic arc with poles at 0, at the tangents' meeting, and at `step`.
+    let [from, middle, to] = [(1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t];
+    let ((sine, cosine), (half_sine, half_cosine)) = (step.sin_cos(), (0.5 * step).sin_cos());
+    let angle = (middle * half_sine + to * sine).atan2(from + middle * half_cosine + to * cosine);
+    keeps_parameters(profile).then(|| DVec2::new(low + arc * step + angle, at.y))
+}
+
+/// As [`of_revolution`], of a surface of extrusion.
+pub(super) fn of_extrusion(profile: &Curve, at: DVec2) -> Option<DVec2> {
+    keeps_parameters(profile).then_some(at)
+}
+
 /// The part of a surface of revolution with these least and greatest parameters: rational arcs of at most 90 degrees.
 pub(super) fn revolution(frame: &Frame, profile: &Curve, [low, high]: [DVec2; 2]) -> NurbsSurface {
     let profile = profile.to_nurbs([low.y, high.y]);
-    let arcs = ((high.x - low.x) / FRAC_PI_2 - 1e-9).ceil().clamp(1.0, MOST_ARCS) as usize;
-    let step = (high.x - low.x) / arcs as f64;
+    let (arcs, step) = arcs(low.x, high.x);
     let mut knots = vec![low.x; 3];
     (1..=arcs).for_each(|k| knots.extend([low.x + step * k as f64; 2]));
     knots.push(high.x);

@@ -33,7 +33,8 @@ fn face(surface: Surface, low: DVec2, high: DVec2, hole: Option<(DVec2, f64)>) -
 fn nearest(face: &Face, rays: &[Ray]) -> Vec<Option<(SurfaceHit, DVec3)>> {
     let (cast, pieces) = CastFace::new(face).unwrap();
     let of = |ray: &Ray| {
-        let found = pieces.iter().filter_map(|piece| cast.nearest(piece, ray, [0.0, f64::INFINITY]));
+        let found =
+            pieces.iter().filter_map(|piece| cast.nearest(piece, ray, [0.0, f64::INFINITY], |_| true));
         let best = found.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
         Some((best, cast.normal(best.at)))
     };

@@ -7,7 +7,7 @@
 //!   (x, y, z) → (x, z, −y), is part of [`PartInstance::world_from_part`](crate::model::PartInstance::world_from_part), with
 //!   the placements of the assembly.
 //! - Names are those of products. Colours are those of styled faces, shells, solids and representations, the innermost first.
-//!   CAD systems show `colour_rgb` as sRGB; it is converted to linear RGB. Transparency, layers and colours of single
+//!   The numbers of a `colour_rgb` are taken as linear RGB, as kernels such as Open CASCADE hold them. Transparency, layers and colours of single
 //!   occurrences are left out.
 //! - Trimming loops come from the edges in space: each is sampled, mapped to the surface's parameters (by its pcurve where
 //!   that agrees with it, else by its nearest point) and halved until straight segments in the parameter plane stand off it by

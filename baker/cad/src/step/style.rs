@@ -54,7 +54,7 @@ fn colour(file: &File, id: u64, depth: usize) -> Option<Vec3> {
         return None;
     }
     if let Some(fields) = file.fields(id, "COLOUR_RGB") {
-        let channel = |at: usize| fields.real(at).ok().map(|value| linear(value.clamp(0.0, 1.0)) as f32);
+        let channel = |at: usize| fields.real(at).ok().map(|value| value.clamp(0.0, 1.0) as f32);
         return Some(Vec3::new(channel(1)?, channel(2)?, channel(3)?));
     }
     for kind in ["DRAUGHTING_PRE_DEFINED_COLOUR", "PRE_DEFINED_COLOUR"] {
@@ -82,9 +82,4 @@ fn pre_defined(name: &str) -> Option<Vec3> {
         "white" => Vec3::ONE,
         _ => return None,
     })
-}
-
-/// From sRGB (IEC 61966-2-1) to linear.
-fn linear(value: f64) -> f64 {
-    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

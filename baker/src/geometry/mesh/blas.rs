@@ -1,17 +1,12 @@
-//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](super::bvh8)'s
+//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](crate::geometry::bvh8)'s
 //! leaves, with shading attributes. Answers nearest-hit, visibility and transmittance queries for a single ray;
 //! bundles of rays use [packet traversal](super::packet_traversal).
 
-use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
 use super::geometry::{Surface, Triangle};
-use super::reinsertion;
 use super::triangle::{Corners, ShearedRay, TriangleHit};
+use crate::geometry::bvh8::{Bvh8, LARGEST_LEAF, PaddedBox, Visit, build};
 use crate::random::{mix, unit};
-use glam::{Vec2, Vec3, Vec3A};
-use obvhs::bvh2::leaf_collapser::collapse;
-use obvhs::ploc::PlocBuilder;
-use obvhs::ploc::morton::morton_encode_u64_unorm;
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -57,63 +52,6 @@ impl ShadingAttributes {
     }
 }
 
-/// Padded box, the input of a BVH build.
-#[derive(Clone, Copy)]
-pub(super) struct Padded(pub Aabb);
-
-impl Padded {
-    pub fn new((low, high): (Vec3, Vec3), padding: f32) -> Self {
-        let padding = Vec3A::splat(padding);
-        Self(Aabb::new(Vec3A::from(low) - padding, Vec3A::from(high) + padding))
-    }
-}
-
-impl Boundable for Padded {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
-}
-
-/// Builds a BVH8 over boxes, with at most `leaf` boxes per leaf; also returns the leaf order.
-pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
-    if boxes.is_empty() {
-        return Default::default();
-    }
-    let preset = BvhBuildParams::medium_build();
-    let order = morton_order(boxes);
-    let sorted: Vec<Padded> = order.iter().map(|number| boxes[*number as usize]).collect();
-    // The steps of obvhs' `build_bvh2`, which reads a clock that wasm32 lacks.
-    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
-        preset.ploc_search_distance,
-        &sorted,
-        (0..boxes.len() as u32).collect(),
-        preset.sort_precision,
-        preset.search_depth_threshold,
-    );
-    reinsertion::optimize(&mut binary, preset.reinsertion_batch_ratio);
-    collapse(&mut binary, leaf, preset.collapse_traversal_cost);
-    let again = preset.reinsertion_batch_ratio * preset.post_collapse_reinsertion_batch_ratio_multiplier;
-    reinsertion::optimize(&mut binary, again);
-    let (bvh, leaves) = Bvh8::new(&binary);
-    (bvh, leaves.into_iter().map(|place| order[place as usize]).collect())
-}
-
-/// Numbers of boxes in ascending order of the Morton codes of their centres, equal ones by number. obvhs sorts by the
-/// same codes with an unstable sort that depends on the processor's word; what is sorted it leaves as it is.
-fn morton_order(boxes: &[Padded]) -> Vec<u32> {
-    let mut all = Aabb::empty();
-    boxes.iter().for_each(|of| {
-        all.extend(of.0.min);
-        all.extend(of.0.max);
-    });
-    let scale = 1.0 / all.diagonal().as_dvec3();
-    let offset = -all.min.as_dvec3() * scale;
-    let code = |of: &Padded| morton_encode_u64_unorm(of.0.center().as_dvec3() * scale + offset);
-    let mut codes: Vec<(u64, u32)> = boxes.iter().map(code).zip(0..).collect();
-    codes.par_sort_unstable();
-    codes.into_iter().map(|(_, number)| number).collect()
-}
-
 /// Ray in the space of a BLAS. The direction may have any length; distances are in units of this length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalRay {
@@ -143,7 +81,8 @@ impl Blas {
         surfaces: &[Surface],
         padding: f32,
     ) -> Self {
-        let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(t.bounds(), padding)).collect();
+        let boxes: Vec<PaddedBox> =
+            triangles.par_iter().map(|t| PaddedBox::new(t.bounds(), padding)).collect();
         let (bvh, order) = build(&boxes, LARGEST_LEAF);
         drop(boxes);
         // In leaf order.

@@ -1,17 +1,16 @@
 //! Triangle meshes as [`Surfaces`]: a two-level BVH with a [BLAS](blas) of the triangles without instances, a BLAS per
 //! [instanced mesh](crate::scene::InstancedMesh), and a [TLAS](tlas) over the instances.
 //!
-//! obvhs builds the binary BVHs, [`bvh8`] collapses the binary BVHs to eight children per node. Boxes are padded by
+//! obvhs builds the binary BVHs, [`bvh8`](crate::geometry::bvh8) collapses the binary BVHs to eight children per node. Boxes are padded by
 //! several rounding errors and the triangle test is watertight, so traversal finds the hits of brute force; a test
 //! checks the equality.
 //!
 //! * [`geometry`]: the input; `glass`: transmission and alpha; `triangle`: watertight ray/triangle test;
-//! * `bvh8`, `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
+//! * `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
 //! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number; `emitters`: those
 //!   that shine.
 
 mod blas;
-mod bvh8;
 mod emitters;
 pub mod geometry;
 pub(crate) mod glass;
@@ -19,7 +18,6 @@ mod mean_transmittance;
 mod packet;
 mod packet_traversal;
 mod primitives;
-mod reinsertion;
 mod split;
 #[cfg(test)]
 mod tests;
@@ -186,6 +184,11 @@ impl TriangleSurfaces {
     /// Returns the number of triangles, with every copy of a model counted.
     pub fn piece_count(&self) -> u64 {
         self.primitives
+    }
+
+    /// Returns the materials.
+    pub fn materials(&self) -> &[Surface] {
+        &self.surfaces
     }
 
     /// Returns a material, by number.

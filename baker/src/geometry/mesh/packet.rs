@@ -1,8 +1,8 @@
 //! Ray packet: up to 64 rays of one octant and major axis, with their interval bounds for conservative slab tests.
 
-use super::bvh8::{BEYOND, Node, SMALL, SlabRay, WIDTH};
 use super::triangle::{ShearedRay, ShearedRays};
 use crate::geometry::Ray;
+use crate::geometry::bvh8::{BEYOND, Node, SMALL, SlabRay, WIDTH};
 use crate::lanes::{F32x8, LANES, Mask8};
 
 /// Number of registers for one value per ray.
@@ -193,7 +193,7 @@ impl Node {
     /// Returns lower bounds of the rays' distances to the children's boxes, and a bit mask of the children possibly
     /// hit by a ray.
     #[inline(always)]
-    pub fn meet_any<V: F32x8>(&self, packet: &Packet<V>) -> ([f32; WIDTH], u32) {
+    pub(super) fn meet_any<V: F32x8>(&self, packet: &Packet<V>) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = (V::splat(0.0), packet.limits.farthest);
         for axis in 0..3 {
             let (sides, down) = (&self.sides[axis], packet.down[axis]);
@@ -207,9 +207,9 @@ impl Node {
         (near.to_array(), near.le(far).movemask())
     }
 
-    /// Returns the rays of `rays` with a hit of a child's box, by the arithmetic of [`SlabTest::meet`](super::bvh8::SlabTest::meet).
+    /// Returns the rays of `rays` with a hit of a child's box, by the arithmetic of [`SlabTest::meet`](crate::geometry::bvh8::SlabTest::meet).
     #[inline(always)]
-    pub fn meet_child<V: F32x8>(&self, child: usize, packet: &Packet<V>, rays: Rays) -> Rays {
+    pub(super) fn meet_child<V: F32x8>(&self, child: usize, packet: &Packet<V>, rays: Rays) -> Rays {
         let (mut entry, mut exit) = ([V::splat(0.0); 3], [V::splat(0.0); 3]);
         for axis in 0..3 {
             entry[axis] = V::splat(self.sides[axis][packet.down[axis]][child]);

@@ -7,11 +7,11 @@
 //! than rounding, and of two triangles at equal distance the first counts.
 
 use super::blas::{Blas, Nearest, NearestSoFar};
-use super::bvh8::{LEAF, SlabRay8, WIDTH, distance, entry, move_half, places};
 use super::geometry::Surface;
 use super::packet::{MOST, Packet, Rays};
 use super::triangle::TriangleHit;
 use crate::geometry::Ray;
+use crate::geometry::bvh8::{LEAF, SlabRay8, WIDTH, distance, entry, move_half, places};
 use crate::lanes::{F32x8, LANES, LaneKernel, dispatch};
 
 /// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.

@@ -1,11 +1,11 @@
-//! Top-level acceleration structure (TLAS): a [BVH8](super::bvh8) over the boxes of instances. An instance is a
+//! Top-level acceleration structure (TLAS): a [BVH8](crate::geometry::bvh8) over the boxes of instances. An instance is a
 //! [BLAS](super::blas) and a transform. A ray is transformed into an instance's space without renormalising the
 //! direction, so distances compare.
 
-use super::blas::{Blas, LocalRay, Padded, build};
-use super::bvh8::Bvh8;
+use super::blas::{Blas, LocalRay};
 use super::geometry::Placed;
 use super::triangle::TriangleHit;
+use crate::geometry::bvh8::{Bvh8, PaddedBox, build};
 use glam::{Affine3A, Mat3A, Vec3};
 use std::ops::ControlFlow;
 
@@ -89,7 +89,7 @@ impl Tlas {
         let mut boxes = Vec::new();
         let mut unordered = Vec::new();
         for ((number, model), bounds) in (0u32..).zip(models).zip(bounds) {
-            boxes.extend(model.boxes(*bounds).map(|sides| Padded::new(sides, padding)));
+            boxes.extend(model.boxes(*bounds).map(|sides| PaddedBox::new(sides, padding)));
             for place in &model.local_from_model {
                 unordered.push(Instance::new(number, unordered.len() as u32, *place));
             }

@@ -2,7 +2,6 @@
 
 use super::backdrop::backdrop;
 use super::unlit::{developed, lit, unlit};
-use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture, png};
 use crate::light::level::level;
@@ -13,9 +12,11 @@ use rebounce_shared::light::{LightKind, LightSource};
 use rebounce_shared::rbn::shown::Ground;
 
 /// Source and settings of a picture.
-pub struct Shown<'a> {
+pub struct Shown<'a, S> {
     /// The surfaces.
-    pub surfaces: &'a TriangleSurfaces,
+    pub surfaces: &'a S,
+    /// Whether some of them are unlit.
+    pub has_unlit: bool,
     /// The camera.
     pub camera: &'a CameraFrame,
     /// Lights; they limit the exposure.
@@ -28,12 +29,12 @@ pub struct Shown<'a> {
     pub ground: Option<&'a Ground>,
 }
 
-impl Shown<'_> {
+impl<S: Surfaces> Shown<'_, S> {
     /// Converts a picture's radiance to display values, linear RGB from 0 to 1.
     pub fn picture(&self, radiance: &Picture) -> Picture {
         let exposed = |lit: &Picture| self.exposed(lit);
         let is_all = self.only == Only::All;
-        let shown = if is_all && self.surfaces.has_unlit() {
+        let shown = if is_all && self.has_unlit {
             developed(radiance, &unlit(self.surfaces, self.camera, self.exposure), exposed)
         } else {
             png::developed(radiance, exposed(radiance))
@@ -46,7 +47,7 @@ impl Shown<'_> {
 
     /// Returns the factor of a picture's radiance, as [`Self::picture`] takes it.
     pub fn exposure_factor(&self, radiance: &Picture) -> f32 {
-        if self.only == Only::All && self.surfaces.has_unlit() {
+        if self.only == Only::All && self.has_unlit {
             self.exposed(&lit(radiance, &unlit(self.surfaces, self.camera, self.exposure)))
         } else {
             self.exposed(radiance)

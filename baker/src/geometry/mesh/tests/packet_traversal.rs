@@ -1,8 +1,8 @@
 //! Rays of a packet find the hits of single rays.
 
 use super::*;
+use crate::geometry::bvh8::{BEYOND, Node, SlabRay, SlabTest, WIDTH};
 use crate::geometry::mesh::blas::LocalRay;
-use crate::geometry::mesh::bvh8::{BEYOND, Node, SlabRay, SlabTest, WIDTH};
 use crate::geometry::mesh::packet::{MOST, Packet};
 use crate::geometry::mesh::packet_traversal::{Firsts, NearestTogether};
 use crate::geometry::mesh::triangle::{ShearedRays, TriangleHit, TriangleHits};

@@ -5,6 +5,13 @@
 //! [lanes](crate::lanes). Invariant: traversal finds the hits of brute force over the triangles. Boxes keep 32-bit
 //! floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
 
+mod build;
+mod reinsertion;
+#[cfg(test)]
+mod tests;
+
+pub(in crate::geometry) use build::{PaddedBox, build};
+
 use crate::lanes::{F32x8, LANES, LaneKernel, Mask8, dispatch};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
@@ -13,26 +20,26 @@ use smallvec::SmallVec;
 use std::ops::{ControlFlow, Range};
 
 /// Number of children of a node.
-pub(super) const WIDTH: usize = LANES;
+pub(in crate::geometry) const WIDTH: usize = LANES;
 /// Flag of a leaf, a child with a range of triangles: bits 28 to 30 are the number of triangles − 1, bits 0 to 27 the
 /// first triangle.
-pub(super) const LEAF: u32 = 1 << 31;
+pub(in crate::geometry) const LEAF: u32 = 1 << 31;
 /// Lowest bit of a leaf's number of triangles.
 const COUNT_SHIFT: u32 = 28;
 /// Maximum number of triangles of a leaf.
-pub(super) const LARGEST_LEAF: u32 = 8;
+pub(in crate::geometry) const LARGEST_LEAF: u32 = 8;
 /// Factor on the limit in box tests: for a slim triangle, the rounding error of a hit's distance exceeds the rounding
 /// error of the box's distance.
-pub(super) const BEYOND: f32 = 1.0 + 1e-5;
+pub(in crate::geometry) const BEYOND: f32 = 1.0 + 1e-5;
 /// Minimum magnitude of a divisor.
-pub(super) const SMALL: f32 = 1e-12;
+pub(in crate::geometry) const SMALL: f32 = 1e-12;
 /// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
 
 /// A node.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(in crate::geometry) struct Node {
     /// Low and high sides of the children's boxes, by axis. The box of an absent child is missed by every ray.
     pub sides: [[[f32; WIDTH]; 2]; 3],
     /// Indices of nodes, or leaves with the flag [`LEAF`].
@@ -41,7 +48,7 @@ pub(super) struct Node {
 
 /// Ray, prepared for the slab test of nodes.
 #[derive(Debug)]
-pub(super) struct SlabRay {
+pub(in crate::geometry) struct SlabRay {
     pub origin: [f32; 3],
     pub inverse: [f32; 3],
     /// By axis: 1 if the ray's direction is negative, so that a box's high side is the near side; otherwise 0.
@@ -49,21 +56,21 @@ pub(super) struct SlabRay {
 }
 
 /// Ray, prepared for the slab test of a node's eight children at once.
-pub(super) struct SlabRay8<V> {
+pub(in crate::geometry) struct SlabRay8<V> {
     origin: [V; 3],
     inverse: [V; 3],
     down: [usize; 3],
 }
 
 /// Slab test of a node's children against a ray.
-pub(super) trait SlabTest {
+pub(in crate::geometry) trait SlabTest {
     /// Returns the distances to the children's boxes along the ray, and a bit mask of the children hit before the
     /// limit.
     fn meet(&self, node: &Node, limit: f32) -> ([f32; WIDTH], u32);
 }
 
 /// Visitor of the triangles possibly hit by a ray. A closure is a visitor too, but is called, not inlined.
-pub(super) trait Visit {
+pub(in crate::geometry) trait Visit {
     /// What the visitor has found in the end.
     type Found;
 
@@ -89,7 +96,7 @@ impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
 
 /// BVH8 over triangles in leaf order, the order returned by [`Self::new`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bvh8 {
+pub(in crate::geometry) struct Bvh8 {
     pub nodes: Vec<Node>,
 }
 
@@ -207,20 +214,24 @@ impl Bvh8 {
 
 /// Packs a child and the distance to the child's box, at least 0, into a number that increases with the distance.
 #[inline(always)]
-pub(super) fn entry(child: u32, near: f32) -> u64 {
+pub(in crate::geometry) fn entry(child: u32, near: f32) -> u64 {
     (near.to_bits() as u64) << 32 | child as u64
 }
 
 /// Returns the distance to an entry's box.
 #[inline(always)]
-pub(super) fn distance(entry: u64) -> f32 {
+pub(in crate::geometry) fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
 /// Makes room by moving the first half of the waiting entries to `farther`; returns the number of remaining entries.
 #[cold]
 #[inline(never)]
-pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count: usize) -> usize {
+pub(in crate::geometry) fn move_half<T: Copy>(
+    waiting: &mut [T],
+    farther: &mut Vec<T>,
+    count: usize,
+) -> usize {
     let half = count / 2;
     farther.extend_from_slice(&waiting[..half]);
     waiting.copy_within(half..count, 0);
@@ -229,7 +240,7 @@ pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count:
 
 /// Returns the range of a leaf's triangles, in leaf order.
 #[inline(always)]
-pub(super) fn places(leaf: u32) -> Range<usize> {
+pub(in crate::geometry) fn places(leaf: u32) -> Range<usize> {
     let first = (leaf & ((1 << COUNT_SHIFT) - 1)) as usize;
     first..first + ((leaf & !LEAF) >> COUNT_SHIFT) as usize + 1
 }
@@ -328,6 +339,3 @@ impl<T: Visit> LaneKernel for Walk<'_, T> {
         visit.found()
     }
 }
-
-#[cfg(test)]
-mod tests;

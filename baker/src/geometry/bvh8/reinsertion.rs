@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const PASSES: usize = 16;
 
 /// Moves nodes to where the sum of areas is less. `batch` is the share of the nodes that the first pass looks at.
-pub fn optimize(bvh: &mut Bvh2, batch: f32) {
+pub(super) fn optimize(bvh: &mut Bvh2, batch: f32) {
     if bvh.nodes.first().is_none_or(|root| root.is_leaf()) {
         return;
     }

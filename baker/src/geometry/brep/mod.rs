@@ -1,0 +1,225 @@
+//! Exact CAD faces as [`Surfaces`](super::Surfaces): one [BVH8](super::bvh8) over the pieces of all faces of all instances
+//! ([`rebounce_cad::cast`]). Rays are met in double precision, in the part's space.
+
+#[cfg(test)]
+mod tests;
+
+use super::bvh8::{Bvh8, PaddedBox, Visit, build};
+use super::mesh::geometry::Surface;
+use super::{Hit, Ray};
+use crate::scene::brep::{Brep, BrepFace, BrepInstance};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
+use rebounce_cad::surface::{Ray as CadRay, SurfaceHit};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Greatest number of pieces in a leaf: meeting a piece costs many times as much as a box.
+const LARGEST_LEAF: u32 = 1;
+
+/// Exact faces, ready for rays.
+pub struct BrepSurfaces {
+    brep: Arc<Brep>,
+    instances: Vec<Instance>,
+    bvh: Bvh8,
+    /// Pieces in leaf order.
+    pieces: Vec<PlacedPiece>,
+}
+
+/// Placement of a part.
+struct Instance {
+    local_from_part: DAffine3,
+    part_from_local: DAffine3,
+}
+
+/// A piece of an instance's face, by index.
+#[derive(Clone, Copy)]
+struct PlacedPiece {
+    instance: u32,
+    face: u32,
+    piece: u32,
+}
+
+/// Nearest hit of a ray so far.
+#[derive(Clone, Copy)]
+struct BrepHit {
+    distance: f32,
+    at: DVec2,
+    instance: u32,
+    face: u32,
+}
+
+impl BrepSurfaces {
+    /// Builds the hierarchy over the faces for which `is_exact` by material; boxes grow by `padding` scene units.
+    pub fn new(brep: &Arc<Brep>, is_exact: &[bool], padding: f32) -> Self {
+        let mut pieces = Vec::new();
+        let mut boxes = Vec::new();
+        for (instance, placed) in (0..).zip(&brep.instances) {
+            for face in placed.faces.clone() {
+                let of = &brep.faces[face as usize];
+                if !is_exact[of.material as usize] {
+                    continue;
+                }
+                for (number, piece) in (0..).zip(&of.pieces) {
+                    pieces.push(PlacedPiece { instance, face, piece: number });
+                    boxes.push(PaddedBox::new(bounds_of(&placed.local_from_part, piece.bounds), padding));
+                }
+            }
+        }
+        let (bvh, order) = build(&boxes, LARGEST_LEAF);
+        let instance = |placed: &BrepInstance| Instance {
+            local_from_part: placed.local_from_part,
+            part_from_local: placed.local_from_part.inverse(),
+        };
+        Self {
+            brep: Arc::clone(brep),
+            instances: brep.instances.iter().map(instance).collect(),
+            bvh,
+            pieces: order.into_iter().map(|i| pieces[i as usize]).collect(),
+        }
+    }
+
+    /// Number of pieces of all instances.
+    pub fn piece_count(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Returns the nearest hit; `seen`: backs of one-sided faces are culled.
+    pub fn nearest(&self, materials: &[Surface], ray: &Ray, is_seen: bool) -> Option<Hit> {
+        let visit = Nearest { query: Query::new(self, ray, is_seen.then_some(materials)), best: None };
+        let best = self.bvh.walk(ray.origin, ray.direction, ray.max_distance, visit)?;
+        Some(self.shade(materials, ray, best))
+    }
+
+    /// Returns whether a face is met before `limit`.
+    pub fn is_hidden(&self, origin: Vec3, direction: Vec3, limit: f32) -> bool {
+        let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
+        let visit = Any { query: Query::new(self, &ray, None), is_found: false };
+        self.bvh.walk(origin, direction, limit, visit)
+    }
+
+    fn shade(&self, materials: &[Surface], ray: &Ray, best: BrepHit) -> Hit {
+        let BrepHit { distance, at, instance, face } = best;
+        let instance = &self.instances[instance as usize];
+        let BrepFace { cast, material, .. } = &self.brep.faces[face as usize];
+        let position = instance.local_from_part.transform_point3(cast.surface().point(at)).as_vec3();
+        let front = (instance.local_from_part.matrix3 * cast.normal(at)).normalize_or_zero().as_vec3();
+        let surface = &materials[*material as usize];
+        let is_front = front.dot(ray.direction) < 0.0;
+        let towards = if is_front { front } else { -front };
+        let reflects = is_front || surface.double_sided;
+        let albedo = if reflects { surface.color } else { Vec3::ZERO };
+        Hit {
+            distance,
+            position,
+            geometric_normal: towards,
+            normal: if reflects { towards } else { front },
+            albedo,
+            emission: Vec3::ZERO,
+            emitter: None,
+            is_unlit: false,
+            group: surface.group,
+        }
+    }
+}
+
+/// Least and greatest corner, local space, of an instance of a box.
+fn bounds_of(local_from_part: &DAffine3, [low, high]: [DVec3; 2]) -> (Vec3, Vec3) {
+    let middle = local_from_part.transform_point3(0.5 * (low + high));
+    let matrix = local_from_part.matrix3;
+    let half = 0.5 * (high - low);
+    let half = matrix.x_axis.abs() * half.x + matrix.y_axis.abs() * half.y + matrix.z_axis.abs() * half.z;
+    // Rounding must not cut the box: a step of single precision more.
+    let step = f64::from(f32::EPSILON) * (middle.abs() + half);
+    ((middle - half - step).as_vec3(), (middle + half + step).as_vec3())
+}
+
+/// A ray among the pieces, in the space of the last instance.
+struct Query<'a> {
+    surfaces: &'a BrepSurfaces,
+    origin: DVec3,
+    direction: DVec3,
+    /// Materials, if backs of one-sided faces are culled.
+    culled_by: Option<&'a [Surface]>,
+    instance: u32,
+    ray: CadRay,
+}
+
+impl<'a> Query<'a> {
+    fn new(surfaces: &'a BrepSurfaces, ray: &Ray, culled_by: Option<&'a [Surface]>) -> Self {
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        Self { surfaces, origin, direction, culled_by, instance: u32::MAX, ray: CadRay { origin, direction } }
+    }
+
+    /// Returns the nearest hit with a piece, in leaf order, within `limit`.
+    #[inline]
+    fn meet(&mut self, place: usize, limit: f32) -> Option<(SurfaceHit, PlacedPiece)> {
+        let placed = self.surfaces.pieces[place];
+        if placed.instance != self.instance {
+            let part_from_local = &self.surfaces.instances[placed.instance as usize].part_from_local;
+            self.instance = placed.instance;
+            // Not normalised: distances are those of local space.
+            self.ray = CadRay {
+                origin: part_from_local.transform_point3(self.origin),
+                direction: part_from_local.transform_vector3(self.direction),
+            };
+        }
+        let BrepFace { cast, pieces, material, .. } = &self.surfaces.brep.faces[placed.face as usize];
+        let culled = self.culled_by.is_some_and(|materials| !materials[*material as usize].double_sided);
+        let is_seen = |hit: &SurfaceHit| !culled || cast.normal(hit.at).dot(self.ray.direction) < 0.0;
+        let hit =
+            cast.nearest(&pieces[placed.piece as usize], &self.ray, [0.0, f64::from(limit)], is_seen)?;
+        Some((hit, placed))
+    }
+}
+
+/// Visitor for the nearest hit.
+struct Nearest<'a> {
+    query: Query<'a>,
+    best: Option<BrepHit>,
+}
+
+impl Visit for Nearest<'_> {
+    type Found = Option<BrepHit>;
+
+    #[inline]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        let Some((hit, placed)) = self.query.meet(place, limit) else {
+            return ControlFlow::Continue(limit);
+        };
+        let distance = hit.distance as f32;
+        // Of two faces at equal distance the first one counts, in any order of traversal.
+        let order = (placed.instance, placed.face);
+        let is_nearer =
+            self.best.is_none_or(|best| distance < best.distance || order < (best.instance, best.face));
+        if is_nearer {
+            self.best = Some(BrepHit { distance, at: hit.at, instance: placed.instance, face: placed.face });
+        }
+        ControlFlow::Continue(distance.min(limit))
+    }
+
+    #[inline]
+    fn found(self) -> Self::Found {
+        self.best
+    }
+}
+
+/// Visitor for any hit.
+struct Any<'a> {
+    query: Query<'a>,
+    is_found: bool,
+}
+
+impl Visit for Any<'_> {
+    type Found = bool;
+
+    #[inline]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        self.is_found = self.query.meet(place, limit).is_some();
+        if self.is_found { ControlFlow::Break(()) } else { ControlFlow::Continue(limit) }
+    }
+
+    #[inline]
+    fn found(self) -> bool {
+        self.is_found
+    }
+}
