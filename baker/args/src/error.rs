@@ -13,6 +13,14 @@ pub enum ArgsError {
     /// The scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// More places than files to put there.
+    #[error("--at is given {places} times, and --add {files}: give each file its place, or none")]
+    Places {
+        /// Files of `--add`.
+        files: usize,
+        /// Places of `--at`.
+        places: usize,
+    },
     /// The picture of `--environment` cannot be used.
     #[error(transparent)]
     Environment(#[from] EnvironmentError),

@@ -4,9 +4,10 @@ use crate::error::ArgsError;
 use crate::number;
 use crate::sky::SkyArgs;
 use clap::Args;
-use rebounce::io::{Files, GroupOption, LoadOptions, load_by_name};
+use rebounce::io::{Files, GroupOption, LoadOptions, load_by_name, read_looks};
 use rebounce::scene::Scene;
 use rebounce_shared::rbn::groups::MAX_DENSITY;
+use std::path::PathBuf;
 
 /// Arguments about the scene's file.
 #[derive(Args, Debug)]
@@ -26,6 +27,15 @@ pub struct LoadArgs {
     /// their own, as dense as others, or so many times denser, as in statue=4; may be given several times
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "NAME[=DENSITY]", value_parser = group)]
     group: Vec<GroupOption>,
+    /// Looks of parts or materials by their names (docs/guide/step.md): color, roughness, metallic, emission
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "FILE.json")]
+    materials: Option<PathBuf>,
+    /// Puts another file, .glb, .gltf or .step, into the scene; may be given several times
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "FILE")]
+    add: Vec<String>,
+    /// Where the origin of what --add names is put, once for each, in its order; the scene's origin when absent
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "X,Y,Z", requires = "add", value_parser = number::place, allow_hyphen_values = true)]
+    at: Vec<[f64; 3]>,
     #[command(flatten)]
     sky: SkyArgs,
 }
@@ -63,7 +73,20 @@ impl LoadArgs {
             groups: self.group.clone(),
             all_nodes_move,
         };
+        if self.at.len() > self.add.len() {
+            return Err(ArgsError::Places { files: self.add.len(), places: self.at.len() });
+        }
         let mut scene = load_by_name(files, spec, &options)?;
+        for (number, spec) in self.add.iter().enumerate() {
+            let options = LoadOptions { scene: None, ..options.clone() };
+            let at = self.at.get(number).copied().unwrap_or_default();
+            scene.add(load_by_name(files, spec, &options)?, at.into())?;
+        }
+        if let Some(path) = &self.materials {
+            for name in scene.apply_looks(&read_looks(files, path)?) {
+                scene.notes.push(format!("{}: no part and no material is named {name:?}", path.display()));
+            }
+        }
         self.sky.add_to(&mut scene, files, note)?;
         Ok(scene)
     }

@@ -2,6 +2,7 @@
 //!
 //! * [`load()`] – loads a scene: a .gltf, .glb or .step file, or `builtin:NAME`; [`files`] – where its bytes come from;
 //! * `gltf`, `step` – the readers; `other_format` – files of other formats, with advice for conversion to glTF;
+//! * [`read_looks`] – looks of materials by name;
 //! * [`save()`] – saves a baked file;
 //! * [`mod@environment`] – light from infinitely far: .hdr, .exr, Ultra HDR .jpg;
 //! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
@@ -12,6 +13,7 @@ pub mod files;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod load;
+mod material_looks;
 mod options;
 #[cfg(feature = "gltf")]
 mod other_format;
@@ -25,5 +27,6 @@ pub use files::Files;
 #[cfg(feature = "gltf")]
 pub use load::from_bytes;
 pub use load::{load, load_by_name, load_from, load_with};
+pub use material_looks::read_looks;
 pub use options::{GroupOption, LoadOptions};
 pub use save::{SaveError, save};

@@ -56,6 +56,14 @@ pub enum SceneError {
         /// Problem and advice.
         problem: String,
     },
+    /// The file has no looks of materials.
+    #[error("{file} has no looks of materials: {problem}; see docs/guide/step.md for the format")]
+    Looks {
+        /// The file.
+        file: String,
+        /// The problem.
+        problem: String,
+    },
     /// The file is of another format.
     #[error(
         "{file} is {format}, and what is read is glTF 2.0 (.glb or .gltf) and STEP (.step or .stp): {advice}"

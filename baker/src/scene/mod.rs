@@ -4,7 +4,7 @@
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes; [`brep`] – exact faces; [`assembly`] – scenes from CAD assemblies;
-//! * `colours` – vertex colours; `emissive` – groups of emissive surfaces; [`groups`] – reconstruction groups;
+//! * `join` – a scene put into another; [`material_look`] – looks by name; `colours` – vertex colours; `emissive` – groups of emissive surfaces; [`groups`] – reconstruction groups;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
 pub mod assembly;
@@ -16,6 +16,8 @@ mod emissive;
 mod error;
 mod foreign;
 pub mod groups;
+mod join;
+pub mod material_look;
 pub mod model;
 pub(crate) mod needed;
 mod orientation;
