@@ -46,7 +46,7 @@ with ever more samples, up to 800 a pixel. An error that they hide too is \"too 
 #[derive(Args, Debug)]
 #[command(after_help = "More options, and what each of them means: rebounce bake --help", after_long_help = AFTER_HELP)]
 pub struct BakeArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .step file, or builtin:NAME
     ///
     /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
     /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,

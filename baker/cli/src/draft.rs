@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::SystemTime;
 
+/// Endings of scenes, which are baked before they are shown.
+const SCENES: [&str; 5] = ["glb", "gltf", "step", "stp", "p21"];
 /// File extension of drafts, beside the scene.
 const DRAFT: &str = "draft.rbn";
 /// The preset of drafts.
@@ -68,12 +70,14 @@ pub fn of(file: &Path, is_watching: bool, yes: bool) -> Result<Draft> {
 }
 
 /// Whether a scene is built in; `None` if `file` is no scene.
-fn scene_kind(file: &Path) -> Option<bool> {
+pub fn scene_kind(file: &Path) -> Option<bool> {
     if file.to_str().is_some_and(|name| name.starts_with("builtin:")) {
         return Some(true);
     }
-    let ending = file.extension()?;
-    (ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf")).then_some(false)
+    SCENES
+        .iter()
+        .any(|known| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known)))
+        .then_some(false)
 }
 
 /// Paths of a scene's bake and draft: beside the scene, or in the working folder.
@@ -123,8 +127,8 @@ mod tests {
     fn scenes_are_known_by_their_names() {
         let kind = |name: &str| scene_kind(Path::new(name));
         assert_eq!(
-            (kind("a/room.glb"), kind("ROOM.GLTF"), kind("builtin:library")),
-            (Some(false), Some(false), Some(true))
+            (kind("a/room.glb"), kind("ROOM.GLTF"), kind("part.STP"), kind("builtin:library")),
+            (Some(false), Some(false), Some(false), Some(true))
         );
         assert_eq!((kind("room.rbn"), kind("room.obj"), kind("room"), kind("glb")), (None, None, None, None));
         let [own, draft] = places(Path::new("a/room.v2.glb"), false);

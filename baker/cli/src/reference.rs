@@ -15,7 +15,7 @@ use rebounce_args::load::LoadArgs;
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
+    /// A .gltf, .glb or .step file, or builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
     /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,
     /// builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
     scene: String,

@@ -35,7 +35,7 @@ The lights of the file stay where they are; each can be dimmed, switched off and
 #[derive(Args, Debug)]
 #[command(after_help = AFTER_HELP)]
 pub struct SolveArgs {
-    /// A .gltf or .glb file, or builtin:NAME
+    /// A .gltf, .glb or .step file, or builtin:NAME
     scene: String,
     /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]

@@ -18,7 +18,7 @@ use std::time::UNIX_EPOCH;
 /// Arguments of `rebounce view`.
 #[derive(Args, Debug)]
 pub struct ViewArgs {
-    /// What `rebounce bake` wrote; or a .gltf or .glb file or builtin:NAME, of which a draft is baked first
+    /// What `rebounce bake` wrote; or a .gltf, .glb or .step file or builtin:NAME, of which a draft is baked first
     ///
     /// Of room.glb, room.rbn beside it is shown where that is not older. Elsewhere a draft goes into room.draft.rbn, which is
     /// made anew when the scene's file is newer. No other file is ever replaced.

@@ -101,6 +101,20 @@ pub struct SurfaceHit {
 }
 
 impl Surface {
+    /// What the surface is called: `cylinder`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Plane(_) => "plane",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
+            Self::Sphere { .. } => "sphere",
+            Self::Torus { .. } => "torus",
+            Self::Revolution { .. } => "revolution",
+            Self::Extrusion { .. } => "extrusion",
+            Self::Nurbs(_) => "NURBS surface",
+        }
+    }
+
     /// σ.
     pub fn point(&self, at: DVec2) -> DVec3 {
         self.derivatives(at)[0]

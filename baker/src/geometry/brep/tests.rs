@@ -80,7 +80,10 @@ fn heap() -> Scene {
             let turn = DQuat::from_axis_angle(s.sphere().as_dvec3(), 3.0 * f64::from(s.unit()));
             let mirror = if i == 7 { DVec3::new(1.0, 1.0, -1.0) } else { DVec3::ONE };
             let matrix = DMat3::from_quat(turn) * DMat3::from_diagonal(mirror * (0.3 + f64::from(s.unit())));
-            (i % 3, DAffine3 { matrix3: matrix, translation: 8.0 * s.sphere().as_dvec3() * f64::from(s.unit()) })
+            (
+                i % 3,
+                DAffine3 { matrix3: matrix, translation: 8.0 * s.sphere().as_dvec3() * f64::from(s.unit()) },
+            )
         })
         .collect();
     placed(vec![can(0.7, 1.5), globe(0.9), ring()], &places)
@@ -125,7 +128,11 @@ fn the_hierarchy_finds_the_hits_of_brute_force() {
         let (found, expected) = (surfaces.cast(&ray, 0), brute_force(brep, &ray));
         assert_eq!(found.is_some(), expected.is_some(), "{ray:?}");
         let (Some(found), Some((distance, normal))) = (found, expected) else { continue };
-        assert!((f64::from(found.distance) - distance).abs() < 1e-5, "{ray:?}: {} {distance}", found.distance);
+        assert!(
+            (f64::from(found.distance) - distance).abs() < 1e-5,
+            "{ray:?}: {} {distance}",
+            found.distance
+        );
         assert!(found.position.distance(ray.origin + found.distance * ray.direction) < 1e-5);
         assert!(found.geometric_normal.as_dvec3().dot(normal).abs() > 1.0 - 1e-6);
         assert!(found.geometric_normal.dot(ray.direction) <= 0.0);

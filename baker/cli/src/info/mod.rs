@@ -1,5 +1,8 @@
-//! `rebounce info`: what is inside a baked file.
+//! `rebounce info`: what is inside a baked file, or a scene that is not yet baked.
 
+mod scene;
+
+use super::draft::scene_kind;
 use super::read_baked;
 use anyhow::Result;
 use clap::Args;
@@ -17,23 +20,26 @@ use std::path::PathBuf;
 /// Arguments of `rebounce info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// A baked scene
-    #[arg(value_name = "FILE.rbn")]
+    /// A baked scene; or a .gltf, .glb or .step file or builtin:NAME, and what it holds
+    #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Prints JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Runs the command. Reading checks every checksum and every rule of the format.
+/// Runs the command. Reading a baked file checks every checksum and every rule of the format.
 pub fn run(args: &InfoArgs) -> Result<()> {
-    let (bytes, scene) = read_baked(&args.file)?;
-    let sections = container::read(&bytes)?;
     let file = args.file.display().to_string();
-    let text = if args.json {
-        format!("{:#}\n", as_json(&file, &bytes, &sections, &scene))
+    let text = if scene_kind(&args.file).is_some() {
+        scene::describe(&file, args.json)?
     } else {
-        as_text(&file, &bytes, &sections, &scene)
+        let (bytes, scene) = read_baked(&args.file)?;
+        let sections = container::read(&bytes)?;
+        match args.json {
+            true => format!("{:#}\n", as_json(&file, &bytes, &sections, &scene)),
+            false => as_text(&file, &bytes, &sections, &scene),
+        }
     };
     match std::io::stdout().write_all(escape_controls(&text).as_bytes()) {
         // A reader may close the pipe early, as `head` does.
