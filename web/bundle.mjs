@@ -6,7 +6,7 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 
 /** Modules that pages import, or that are fetched when they are first wanted: by the name of the file, the module. */
-const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page", bake: "bake", "bake-element": "bake/element", "bake-drop": "bake/drop", "bake-worker": "bake/worker", radiosity: "radiosity" };
+const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page", bake: "bake", "bake-element": "bake/element", "bake-drop": "bake/drop", "bake-worker": "bake/worker", "bake-step-worker": "bake/step-worker", radiosity: "radiosity" };
 
 /** Entries for three.js: apart, so that what they share with those above stays where it is. */
 const THREE = { three: "three" };
@@ -14,7 +14,7 @@ const THREE = { three: "three" };
 /** The wasms' own modules lie beside the bundles, in whatever folder the module that imports one was. */
 const WASM = {
   name: "wasm",
-  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_(viewer|radiosity|baker|three)\.js$/ }, ({ path: name }) => ({ path: `./${path.basename(name)}`, external: true })),
+  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_(viewer|radiosity|baker|baker_step|three)\.js$/ }, ({ path: name }) => ({ path: `./${path.basename(name)}`, external: true })),
 };
 
 /** The page's own three.js, and the baker's module, which lies beside. */

@@ -3,12 +3,13 @@
 import { channels } from "./bake/channels.js";
 import { checked, type BakeOptions } from "./bake/options.js";
 import { compiled } from "./bake/module.js";
+import { compiledForStep, isStep } from "./bake/step-module.js";
 import type { Start, Told } from "./bake/messages.js";
 import { cores, startThread, type Thread } from "./bake/threads.js";
 
 export type { BakeOptions, BakeProgress } from "./bake/options.js";
 
-/** A .glb or .gltf file: its bytes, or a file that was chosen or dropped. */
+/** A .glb, .gltf or .step file: its bytes, or a file that was chosen or dropped. */
 export type SceneFile = Uint8Array | ArrayBuffer | Blob;
 
 /** Most workers when their number is not given: each has the scene in its own memory. */
@@ -20,9 +21,9 @@ const MOST = 8;
 export async function bake(scene: SceneFile, options: BakeOptions = {}): Promise<Uint8Array> {
   const { preset, seed, functions, solver, groups, workers, name, files = {}, onProgress, onPreview, onWarning, onReport, signal } = checked(options);
   signal?.throwIfAborted();
-  const module = compiled();
   const named = "name" in scene && typeof scene.name === "string" ? scene.name : "scene.glb";
   const path = name ?? named;
+  const module = isStep(path) ? compiledForStep() : compiled();
   const beside = Object.entries(files).map(async ([file, bytes]): Promise<[string, Uint8Array]> => [file, await bytesOf(bytes)]);
   const size = workers ?? Math.min(await cores(), MOST);
   const start: Omit<Start, "rank" | "ports"> = {
@@ -75,7 +76,7 @@ async function begin(
 ): Promise<void> {
   await Promise.all(
     channels(start.size).map(async (own, rank) => {
-      const thread = await startThread<Start, Told>(told, died);
+      const thread = await startThread<Start, Told>(isStep(start.path), told, died);
       threads.push(thread);
       thread.post({ ...start, rank, ports: own }, own.filter((port) => port !== null));
     }),

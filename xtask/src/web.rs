@@ -19,13 +19,16 @@ const NAME: &str = "rebounce_viewer";
 const RADIOSITY: &str = "rebounce_radiosity";
 /// As [`NAME`], of the baker.
 pub const BAKER: &str = "rebounce_baker";
+/// As [`NAME`], of the baker that reads STEP files, too.
+pub const BAKER_STEP: &str = "rebounce_baker_step";
 /// As [`NAME`], of bounced light for three.js.
 const THREE: &str = "rebounce_three";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
-const FETCHES: [(&str, &str); 4] = [
+const FETCHES: [(&str, &str); 5] = [
     ("engine/module.js", NAME),
     ("radiosity.js", RADIOSITY),
     ("bake/module.js", BAKER),
+    ("bake/step-module.js", BAKER_STEP),
     ("three/module.js", THREE),
 ];
 /// Files of web/ copied unchanged into the site.
@@ -50,8 +53,11 @@ pub fn build() -> Result<()> {
         bindgen::module(&wasm(toolchain, package, library, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
         shrink(&pkg.join(format!("{name}_bg.wasm")))?;
     }
-    bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
-    optimise(&pkg.join(format!("{BAKER}_bg.wasm")), &BAKER_PASSES)?;
+    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
+        let wasm = baker_wasm(toolchain, "web-baker", options)?;
+        bindgen::module(&wasm, name, bindgen::FROM_MODULE, &pkg)?;
+        optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
+    }
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;

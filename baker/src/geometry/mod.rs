@@ -5,7 +5,11 @@
 //! that data at hits is precomputed instead of evaluated per hit, and [`Tessellate`], so that it can be drawn.
 //! [`Emitters`] lets a path tracer sample what shines. `examples/implicit.rs` bakes metaballs and a quadric.
 
+#[cfg(feature = "exact-faces")]
 pub mod brep;
+#[cfg(not(feature = "exact-faces"))]
+#[path = "no_brep.rs"]
+mod brep;
 mod bvh8;
 mod emitters;
 pub mod mesh;

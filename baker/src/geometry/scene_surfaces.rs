@@ -42,11 +42,11 @@ impl SceneSurfaces {
 
     fn new(scene: &Scene, of_triangles: impl Fn(&Scene) -> TriangleSurfaces) -> Self {
         let triangles = of_triangles(&scene.without_tessellation());
-        let exact = scene.brep.as_ref().map(|brep| {
+        let exact = scene.brep.as_ref().and_then(|brep| {
             let (bounds, main) = (scene.bounds(), scene.main_part());
             let padding = PADDING * (bounds.1 - bounds.0).length();
-            let faces = BrepSurfaces::new(brep, &scene.is_exact(), padding);
-            ExactPart { faces, bounds, main, exactness: Exactness::new(main, bounds) }
+            let faces = BrepSurfaces::new(brep, &scene.is_exact(), padding)?;
+            Some(ExactPart { faces, bounds, main, exactness: Exactness::new(main, bounds) })
         });
         Self { triangles, exact }
     }

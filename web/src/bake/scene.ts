@@ -14,12 +14,12 @@ export interface Scene {
 }
 
 /** Which file of several is the scene: the first of these kinds. */
-const KINDS = [/\.rbn$/i, /\.glb$/i, /\.gltf$/i];
+const KINDS = [/\.rbn$/i, /\.glb$/i, /\.gltf$/i, /\.(step|stp|p21)$/i];
 
 /** Files, with their paths where those are not what they are called. */
 export type SceneFiles = readonly (File | readonly [path: string, file: File])[];
 
-/** Returns the scene among files: the .rbn, .glb or .gltf nearest to the root. Rejects with a `Failure`. */
+/** Returns the scene among files: the .rbn, .glb, .gltf or .step nearest to the root. Rejects with a `Failure`. */
 export function sceneAmong(some: SceneFiles): Scene {
   const files = new Map(some.map((of) => (of instanceof File ? ([of.webkitRelativePath || of.name, of] as const) : of)));
   const depth = (path: string) => path.split("/").length;
@@ -27,7 +27,7 @@ export function sceneAmong(some: SceneFiles): Scene {
   const name = KINDS.map((kind) => paths.find((path) => kind.test(path))).find(Boolean);
   if (!name) {
     const what = paths.length === 1 ? `"${paths[0]}" is no scene` : `none of the ${paths.length} files is a scene`;
-    throw new Failure("not-a-scene", `${what}: drop a .glb, a .gltf together with its files, a folder of them, or a .rbn.`);
+    throw new Failure("not-a-scene", `${what}: drop a .glb or .step, a .gltf together with its files, a folder of them, or a .rbn.`);
   }
   return { name, file: files.get(name) as Blob, files: Object.fromEntries(files), isBaked: KINDS[0]?.test(name) ?? false };
 }

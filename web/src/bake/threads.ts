@@ -24,18 +24,23 @@ export async function cores(): Promise<number> {
   return Math.max(cpus().length, 1);
 }
 
-/** Starts a worker. `told` receives its messages, `died` the reason of its early end. */
-export async function startThread<S, T>(told: (message: T) => void, died: (why: string) => void): Promise<Thread<S>> {
+/** Starts a worker, for STEP files or for others. `told` receives its messages, `died` the reason of its early end. */
+export async function startThread<S, T>(isStep: boolean, told: (message: T) => void, died: (why: string) => void): Promise<Thread<S>> {
+  const url = isStep ? new URL("bake-step-worker.js", import.meta.url) : new URL("bake-worker.js", import.meta.url);
   if (IS_NODE) {
     const { Worker } = await nodeModule<{ Worker: new (url: URL) => NodeWorker }>("node:worker_threads");
-    const worker = new Worker(new URL("bake-worker.js", import.meta.url));
+    const worker = new Worker(url);
     worker.on("message", told);
     worker.on("error", (error: Error) => died(error.message));
     worker.on("exit", (code: number) => died(`exit code ${code}`));
     return { post: (message, ports) => worker.postMessage(message, ports), stop: () => void worker.terminate() };
   }
-  const url = new URL("bake-worker.js", import.meta.url);
-  const worker = url.origin === location.origin ? new Worker(new URL("bake-worker.js", import.meta.url), { type: "module" }) : foreign(url);
+  // Bundlers find workers by these words alone.
+  const own = () =>
+    isStep
+      ? new Worker(new URL("bake-step-worker.js", import.meta.url), { type: "module" })
+      : new Worker(new URL("bake-worker.js", import.meta.url), { type: "module" });
+  const worker = url.origin === location.origin ? own() : foreign(url);
   worker.onmessage = ({ data }: MessageEvent<T>) => told(data);
   worker.onerror = (event) => died(event.message || "its program could not be loaded");
   worker.onmessageerror = () => died("a message could not be read");

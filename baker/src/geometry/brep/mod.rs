@@ -49,8 +49,8 @@ struct BrepHit {
 }
 
 impl BrepSurfaces {
-    /// Builds the hierarchy over the faces for which `is_exact` by material; boxes grow by `padding` scene units.
-    pub fn new(brep: &Arc<Brep>, is_exact: &[bool], padding: f32) -> Self {
+    /// Builds the hierarchy (never `None`) over the faces for which `is_exact` by material; boxes grow by `padding` scene units.
+    pub fn new(brep: &Arc<Brep>, is_exact: &[bool], padding: f32) -> Option<Self> {
         let mut pieces = Vec::new();
         let mut boxes = Vec::new();
         for (instance, placed) in (0..).zip(&brep.instances) {
@@ -70,12 +70,12 @@ impl BrepSurfaces {
             local_from_part: placed.local_from_part,
             part_from_local: placed.local_from_part.inverse(),
         };
-        Self {
+        Some(Self {
             brep: Arc::clone(brep),
             instances: brep.instances.iter().map(instance).collect(),
             bvh,
             pieces: order.into_iter().map(|i| pieces[i as usize]).collect(),
-        }
+        })
     }
 
     /// Number of pieces of all instances.
