@@ -4,7 +4,10 @@ use super::Files;
 use super::options::LoadOptions;
 use crate::scene::{Scene, SceneError};
 #[cfg(feature = "step")]
-use crate::scene::{assembly::GREY, groups::MaterialGroup};
+use crate::scene::{
+    assembly::{AssemblySettings, GREY},
+    groups::MaterialGroup,
+};
 use std::path::Path;
 
 /// Whether a path has the ending of a STEP file.
@@ -31,8 +34,12 @@ fn convert(file: &str, name: String, bytes: &[u8], options: &LoadOptions) -> Res
         .map_err(|error| SceneError::Step { file: file.to_owned(), problem: error.to_string() })?;
     let group =
         |option: &super::GroupOption| MaterialGroup { name: option.name.clone(), density: option.density };
-    let groups: Vec<MaterialGroup> = options.groups.iter().map(group).collect();
-    Scene::of_assembly(file, name, &assembly, options.albedo.unwrap_or(GREY), &groups)
+    let settings = AssemblySettings {
+        grey: options.albedo.unwrap_or(GREY),
+        groups: options.groups.iter().map(group).collect(),
+        ..AssemblySettings::default()
+    };
+    Scene::of_assembly(file, name, &assembly, &settings)
 }
 
 #[cfg(not(feature = "step"))]

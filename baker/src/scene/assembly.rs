@@ -21,6 +21,23 @@ const OF_ASSEMBLY: f64 = 1e-4;
 /// The same, as a share of the part's diagonal, which counts where it is less.
 const OF_PART: f64 = 5e-4;
 
+/// What an assembly does not say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssemblySettings {
+    /// Linear RGB reflectance of faces without a colour.
+    pub grey: [f32; 3],
+    /// Materials whose surfaces are reconstruction groups.
+    pub groups: Vec<MaterialGroup>,
+    /// Factor of the chord error of triangles in pictures.
+    pub coarseness: f64,
+}
+
+impl Default for AssemblySettings {
+    fn default() -> Self {
+        Self { grey: GREY, groups: Vec::new(), coarseness: 1.0 }
+    }
+}
+
 /// A part with its faces prepared and tessellated.
 struct PreparedPart {
     /// Least and greatest corner; not finite without faces.
@@ -34,8 +51,7 @@ struct PreparedPart {
 type Flaws = BTreeMap<String, usize>;
 
 impl Scene {
-    /// Makes a scene of an assembly. `grey` is the linear RGB reflectance of faces without a colour; surfaces of the materials
-    /// of `groups` are reconstruction groups. `file` is the name in errors.
+    /// Makes a scene of an assembly. `file` is the name in errors.
     ///
     /// # Errors
     /// [`SceneError`] without triangles, or with too many materials.
@@ -43,13 +59,12 @@ impl Scene {
         file: &str,
         name: String,
         assembly: &Assembly,
-        grey: [f32; 3],
-        groups: &[MaterialGroup],
+        settings: &AssemblySettings,
     ) -> Result<Self, SceneError> {
         let mut scene = Self { name, left_out: assembly.notes.clone(), ..Self::default() };
-        let materials = materials(&mut scene, assembly, grey, file)?;
+        let materials = materials(&mut scene, assembly, settings.grey, file)?;
         let mut brep = Brep::default();
-        let prepared = prepare(assembly, &materials, &mut scene.left_out);
+        let prepared = prepare(assembly, &materials, settings.coarseness, &mut scene.left_out);
         let mut ranges = Vec::new();
         let mut mesh = WorldMesh::default();
         for (number, part) in prepared.into_iter().enumerate() {
@@ -62,7 +77,7 @@ impl Scene {
             brep.faces.extend(part.faces);
             ranges.push(first..brep.faces.len() as u32);
         }
-        let lost = assign(&mut scene, &mut mesh, NodeGroups::default(), groups);
+        let lost = assign(&mut scene, &mut mesh, NodeGroups::default(), &settings.groups);
         let told_of = |name| format!("--group {name:?}: no part has this name");
         scene.notes.extend(lost.into_iter().map(told_of));
         mesh.finish(&mut scene);
@@ -133,7 +148,12 @@ fn materials(
 }
 
 /// Prepares and tessellates the parts; says in `left_out` which faces cannot be.
-fn prepare(assembly: &Assembly, materials: &[Vec<u32>], left_out: &mut Vec<String>) -> Vec<PreparedPart> {
+fn prepare(
+    assembly: &Assembly,
+    materials: &[Vec<u32>],
+    coarseness: f64,
+    left_out: &mut Vec<String>,
+) -> Vec<PreparedPart> {
     let cast = |(part, materials): (&Part, &Vec<u32>)| {
         let (mut faces, mut flaws) = (Vec::new(), Flaws::new());
         for ((face, _), material) in part.faces.iter().zip(materials) {
@@ -158,7 +178,7 @@ fn prepare(assembly: &Assembly, materials: &[Vec<u32>], left_out: &mut Vec<Strin
     let of_assembly = OF_ASSEMBLY * (high - low).length();
     parts.par_iter_mut().for_each(|(part, flaws)| {
         let [low, high] = part.bounds;
-        let chord_error = of_assembly.min(OF_PART * (high - low).length());
+        let chord_error = coarseness * of_assembly.min(OF_PART * (high - low).length());
         let tessellated = (part.faces.par_iter())
             .map(|face| tessellated(face, chord_error).map_err(|error| error.to_string()))
             .collect::<Vec<_>>();

@@ -4,6 +4,7 @@ use super::*;
 use crate::geometry::{SceneSurfaces, Surfaces};
 use crate::random::Stream;
 use crate::scene::Scene;
+use crate::scene::assembly::AssemblySettings;
 use glam::{Affine3A, DMat3, DQuat};
 use rebounce_cad::face::Face;
 use rebounce_cad::frame::Frame;
@@ -69,7 +70,7 @@ fn placed(parts: Vec<Part>, places: &[(usize, DAffine3)]) -> Scene {
         world_from_part,
     };
     let assembly = Assembly { parts, instances: places.iter().map(instance).collect(), notes: Vec::new() };
-    Scene::of_assembly("test", "test".to_owned(), &assembly, [0.6; 3], &[]).unwrap()
+    Scene::of_assembly("test", "test".to_owned(), &assembly, &AssemblySettings::default()).unwrap()
 }
 
 /// Parts at random places, one of them mirrored.
