@@ -31,11 +31,11 @@ pub(super) fn assembly() -> Assembly {
         let is_white = side == "white";
         let parts = KINDS
             .map(|kind| add(&mut scene, &format!("{side} {kind}"), coloured(chessman(kind).0, colour), true));
-        for column in 0..8 {
-            for (row, kind) in [(0, ROW[column]), (1, 5)] {
+        for (column, &officer) in ROW.iter().enumerate() {
+            for (row, kind) in [(0.0, officer), (1.0, 5)] {
                 let name = format!("{side} {} {}", KINDS[kind], column + 1);
                 let square = |at: f64| (at - 3.5) * SQUARE;
-                let row = if is_white { 7.0 - f64::from(row) } else { f64::from(row) };
+                let row = if is_white { 7.0 - row } else { row };
                 let at = DVec3::new(square(column as f64), 0.0, square(row));
                 // Knights look at the other side.
                 let turn = if is_white { DMat3::from_rotation_y(PI) } else { DMat3::IDENTITY };

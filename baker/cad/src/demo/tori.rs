@@ -102,7 +102,7 @@ fn stars() -> Vec<TrimLoop> {
     for (column, row) in (0..8).flat_map(|column| (0..2).map(move |row| (column, row))) {
         let centre = DVec2::new(TAU * (f64::from(column) + 0.5) / 8.0, PI * (f64::from(row) + 0.5));
         let corner = |k: u32| {
-            let radii = if k % 2 == 0 { DVec2::new(0.32, 1.1) } else { DVec2::new(0.14, 0.5) };
+            let radii = if k.is_multiple_of(2) { DVec2::new(0.32, 1.1) } else { DVec2::new(0.14, 0.5) };
             let angle = FRAC_PI_2 + PI * f64::from(k) / 5.0;
             centre + radii * DVec2::from_angle(angle)
         };
