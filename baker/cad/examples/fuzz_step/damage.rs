@@ -71,14 +71,130 @@ pub fn copy(texts: &[Vec<u8>], seed: u64, index: u64) -> Vec<u8> {
         chosen = &texts[draw(&mut state, texts.len())];
     }
     let mut text = chosen.clone();
+    // Three of four keep the syntax, but for chance, so that what is read goes deep.
+    let is_gentle = draw(&mut state, 4) > 0;
     for _ in 0..=draw(&mut state, MOST_CHANGES as usize) {
-        change(&mut text, &mut state);
+        if is_gentle {
+            change_content(&mut text, &mut state);
+        } else {
+            change(&mut text, &mut state);
+        }
         text.truncate(LONGEST);
     }
     text
 }
 
-/// One change.
+/// A change of what is said, not of the syntax.
+fn change_content(text: &mut Vec<u8>, state: &mut u64) {
+    if text.is_empty() {
+        return;
+    }
+    // Beyond the header.
+    let data = text.windows(5).position(|window| window == b"DATA;").unwrap_or(0);
+    let at = data + draw(state, text.len() - data);
+    match draw(state, 16) {
+        0..=3 => {
+            let odd = pick(state, &ODD).as_bytes();
+            let range = number(text, at).filter(|range| range.start > data && is_value(text, range));
+            replace(text, range, odd);
+        }
+        4 | 5 => {
+            // A number of the file for another, or a little more or less.
+            let other = number(text, draw(state, text.len())).filter(|range| is_value(text, range));
+            let mut with = other.map(|range| text[range].to_vec());
+            let range = number(text, at).filter(|range| is_value(text, range));
+            if draw(state, 2) == 0
+                && let Some(range) = &range
+                && let Some(value) =
+                    std::str::from_utf8(&text[range.clone()]).ok().and_then(|it| it.parse::<f64>().ok())
+            {
+                let factor = [0.5, 0.999, 1.000_001, 1.01, 2.0, 1e6, -1.0][draw(state, 7)];
+                with = Some(format!("{:?}", value * factor).to_uppercase().into_bytes());
+            }
+            if let Some(with) = with {
+                replace(text, range, &with);
+            }
+        }
+        6..=8 => redirect(text, at, state),
+        9 => refer_to_itself(text, at),
+        10 => {
+            let other = keyword(text, draw(state, text.len())).map(|range| text[range].to_vec());
+            if let Some(other) = other {
+                replace(text, keyword(text, at).filter(|range| range.start > data + 5), &other);
+            }
+        }
+        11 => {
+            let value = pick(state, &VALUES).as_bytes();
+            replace(text, reference(text, at).filter(|range| is_value(text, range)), value);
+        }
+        12 => {
+            // True for false.
+            let flag = next(
+                text,
+                at,
+                |place| text[place..].starts_with(b".T.") || text[place..].starts_with(b".F."),
+                |_| false,
+            );
+            if let Some(range) = flag {
+                text[range.start + 1] = if text[range.start + 1] == b'T' { b'F' } else { b'T' };
+            }
+        }
+        13 => {
+            // A list loses an element, or has one twice.
+            if let Some(range) = reference(text, at).filter(|range| text.get(range.end) == Some(&b',')) {
+                let element = text[range.start..=range.end].to_vec();
+                if draw(state, 2) == 0 {
+                    text.drain(range.start..=range.end);
+                } else {
+                    let times = 1 << draw(state, 10);
+                    text.splice(range.start..range.start, element.repeat(times));
+                }
+            }
+        }
+        14 => replace(text, Some(record(text, at)).filter(|range| range.start > data + 5), b""),
+        _ => {
+            // Two records of one type change their attributes.
+            let [a, b] = [record(text, at), record(text, data + draw(state, text.len() - data))];
+            let inner = |range: &Range<usize>| {
+                let open = text[range.clone()].iter().position(|byte| *byte == b'(')?;
+                Some(range.start + open..range.end)
+            };
+            if let (Some(a), Some(b)) = (inner(&a), inner(&b))
+                && a.end <= b.start
+                && a.start > data
+            {
+                let with = text[b].to_vec();
+                text.splice(a, with);
+            }
+        }
+    }
+}
+
+/// Whether a token is an attribute, not the number of a record.
+fn is_value(text: &[u8], range: &Range<usize>) -> bool {
+    let before = text[..range.start].iter().rev().find(|byte| !byte.is_ascii_whitespace());
+    matches!(before, Some(b'(' | b','))
+}
+
+/// A reference to what another place refers to, or to any number.
+fn redirect(text: &mut Vec<u8>, at: usize, state: &mut u64) {
+    let mut other = reference(text, draw(state, text.len())).map(|range| text[range].to_vec());
+    if draw(state, 8) == 0 {
+        other = Some(format!("#{}", draw(state, 1000)).into_bytes());
+    }
+    let range = reference(text, at).filter(|range| is_value(text, range));
+    replace(text, range, &other.unwrap_or_default());
+}
+
+/// A reference of a record to itself.
+fn refer_to_itself(text: &mut Vec<u8>, at: usize) {
+    let line = record(text, at);
+    let own = reference(text, line.start).map(|range| text[range].to_vec());
+    let inner = reference(text, at).filter(|range| range.end <= line.end && is_value(text, range));
+    replace(text, inner, &own.unwrap_or_default());
+}
+
+/// A change of any kind.
 fn change(text: &mut Vec<u8>, state: &mut u64) {
     if text.is_empty() {
         return;
@@ -88,21 +204,8 @@ fn change(text: &mut Vec<u8>, state: &mut u64) {
         0 => text[at] ^= 1 << draw(state, 8),
         1 => text[at] = draw(state, 256) as u8,
         2..=5 => replace(text, number(text, at), pick(state, &ODD).as_bytes()),
-        6..=8 => {
-            // A reference to what another place refers to, or to any number.
-            let mut other = reference(text, draw(state, text.len())).map(|range| text[range].to_vec());
-            if draw(state, 8) == 0 {
-                other = Some(format!("#{}", draw(state, 1000)).into_bytes());
-            }
-            replace(text, reference(text, at), &other.unwrap_or_default());
-        }
-        9 => {
-            // A reference of a record to itself.
-            let line = record(text, at);
-            let own = reference(text, line.start).map(|range| text[range].to_vec());
-            let inner = reference(text, at).filter(|range| range.end <= line.end);
-            replace(text, inner, &own.unwrap_or_default());
-        }
+        6..=8 => redirect(text, at, state),
+        9 => refer_to_itself(text, at),
         10 => replace(text, token(text, at), b""),
         11 => {
             let found = token(text, at);
