@@ -28,7 +28,12 @@ pub fn functions(degree: usize, knots: &[f64], span: usize, at: f64) -> [Values;
     let mut basis = [0.0; MAX_DEGREE + 1];
     basis[0] = 1.0;
     for q in 1..=degree {
-        lower = [lower[1], basis];
+        // Those of one and of two degrees less.
+        if q == degree {
+            lower[1] = basis;
+        } else if q + 1 == degree {
+            lower[0] = basis;
+        }
         let mut saved = 0.0;
         for r in 0..q {
             let [left, right] = [at - knots[span + 1 + r - q], knots[span + 1 + r] - at];
