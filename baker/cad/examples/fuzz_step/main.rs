@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 #[global_allocator]
@@ -27,6 +27,8 @@ const MOST_MEMORY: usize = 256 << 20;
 const MOST_TIME: Duration = Duration::from_secs(1);
 /// Seconds after which a copy that is not done ends the program.
 const HANGS: u64 = 120;
+/// Whether there was a panic, also one that the reader caught: in a web page it could not.
+static HAS_PANICKED: AtomicBool = AtomicBool::new(false);
 /// Every copy of so many is prepared for rays too, where it is read.
 const CAST: u64 = 16;
 
@@ -50,7 +52,7 @@ fn main() -> Result<(), Failure> {
 
 /// Reads the copies and prints the results.
 fn read_all([first, count, seed]: [u64; 3], folder: &Path, texts: &[Vec<u8>]) -> Result<(), Failure> {
-    std::panic::set_hook(Box::new(|_| ()));
+    std::panic::set_hook(Box::new(|_| HAS_PANICKED.store(true, Ordering::Relaxed)));
     let mut counts = BTreeMap::<String, u64>::new();
     let mut slowest = (Duration::ZERO, first);
     let mut largest = (0, first);
@@ -75,7 +77,10 @@ fn read_all([first, count, seed]: [u64; 3], folder: &Path, texts: &[Vec<u8>]) ->
             largest = (peak - before, index);
         }
         slowest = slowest.max((time, index));
-        let mut kind = result.unwrap_or_else(|_| "fault: panic".into());
+        let mut kind = result.unwrap_or_default();
+        if HAS_PANICKED.swap(false, Ordering::Relaxed) {
+            kind = format!("fault: panic ({kind})");
+        }
         if time > MOST_TIME + MOST_TIME.mul_f64(copy.len() as f64 / 1e6) {
             kind = format!("fault: slow ({kind})");
         }

@@ -17,11 +17,11 @@ const STRAIGHT: f64 = 1e-3;
 /// Work of a sample.
 const SAMPLE: usize = 40;
 
-/// Work of a point evaluated on the way to the nearest of a spline.
-const EVALUATION: usize = 8;
+/// Work of a point of a spline among samples, and of one on the way to the nearest point.
+const EVALUATION: [usize; 2] = [3, 8];
 
-/// Points evaluated on the way from a good guess to the nearest of a spline, if the way is long.
-const DESCENT: usize = 50;
+/// Points evaluated on the way to the nearest point of a surface and of a curve, if the way is long.
+const DESCENT: [usize; 2] = [50, 250];
 
 /// Segments of an edge besides what its knots need: a circle on a plane takes some four hundred.
 const MOST_SEGMENTS: usize = 1 << 11;
@@ -58,7 +58,7 @@ impl Mapper<'_> {
     /// parameters from the edge, metres.
     pub fn map(&self, path: &Path, pcurve: Option<&Pcurve>) -> Read<(Vec<Strand>, f64)> {
         let breaks = path.breaks();
-        self.file.spend(breaks.len() * (1 + EVALUATION * DESCENT * self.domain.poles.len()))?;
+        self.file.spend(breaks.len() * (1 + EVALUATION[1] * DESCENT[0] * self.domain.poles.len()))?;
         let pcurve = pcurve.filter(|pcurve| {
             let near = |s: &f64| {
                 self.surface.point(self.domain.within(pcurve.at(path, *s))).distance(path.point(*s))
@@ -133,20 +133,20 @@ impl Mapper<'_> {
 
 /// Work of finding the nearest point of a surface, without a guess or with one.
 fn inversion_work(surface: &Surface, is_guessed: bool) -> usize {
-    let points = match surface {
-        Surface::Nurbs(_) if is_guessed => DESCENT,
-        // A grid over all spans.
+    let [samples, steps] = match surface {
+        Surface::Nurbs(_) if is_guessed => [0, DESCENT[0]],
+        // A grid over all spans, and four ways from it.
         Surface::Nurbs(nurbs) => {
             let [u, v] = [0, 1].map(|side| nurbs.counts[side].saturating_mul(nurbs.degrees[side] + 1));
-            u.saturating_mul(v).saturating_add(4 * DESCENT)
+            [u.saturating_mul(v), 4 * DESCENT[0]]
         }
         Surface::Revolution { profile: Curve::Nurbs(profile), .. }
         | Surface::Extrusion { profile: Curve::Nurbs(profile), .. } => {
-            profile.poles.len() * (profile.degree + 4) + DESCENT
+            [profile.poles.len() * (profile.degree + 4), DESCENT[1]]
         }
-        _ => 0,
+        _ => [0, 0],
     };
-    SAMPLE + points.saturating_mul(EVALUATION)
+    samples.saturating_mul(EVALUATION[0]).saturating_add(SAMPLE + steps * EVALUATION[1])
 }
 
 impl Pcurve {
