@@ -1,5 +1,5 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
 //! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
@@ -17,6 +17,7 @@ mod fidelity;
 mod film;
 mod function_order;
 mod fuzz;
+mod fuzz_step;
 mod gate;
 mod install;
 mod installed;
@@ -74,6 +75,9 @@ cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
+cargo xtask fuzz-step [--files N] [--seed S] [--from DIR]
+                     reads damaged STEP files, of the reader's tests and of DIR: each is read or refused within a second
+                     and 256 MB; 1,000,000 when absent. Files at fault stay in target/fuzz-step
 cargo xtask layers   which module uses which: fails where an arrow runs against the order, or in a circle
 cargo xtask names    names that were replaced by the field's, and types that are defined twice: fails if any
 cargo xtask docs     dead links and long lines of the documentation: fails if any
@@ -125,6 +129,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("names") => names::run(),
         Some("light-kinds") => light_kinds::run(),
         Some("fuzz") => fuzz::run(&args[1..]),
+        Some("fuzz-step") => fuzz_step::run(&args[1..]),
         Some("damage") => damage::run(&args[1..]),
         Some("soak") => soak::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),

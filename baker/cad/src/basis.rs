@@ -29,8 +29,10 @@ pub fn functions(degree: usize, knots: &[f64], span: usize, at: f64) -> [Values;
     basis[0] = 1.0;
     for q in 1..=degree {
         // Those of one and of two degrees less.
-        if let Some(step) = (q + 2).checked_sub(degree + 1).filter(|step| *step < 2) {
-            lower[step][..q].copy_from_slice(&basis[..q]);
+        if q == degree {
+            lower[1] = basis;
+        } else if q + 1 == degree {
+            lower[0] = basis;
         }
         let mut saved = 0.0;
         for r in 0..q {

@@ -13,6 +13,7 @@
 //! | [`cast`] | faces cut into pieces for rays |
 //! | [`tessellate`] | triangles of faces, for the screen |
 //! | [`model`] | parts of an assembly |
+//! | [`demo`] | generated scenes |
 //! | `step` | reader of STEP files; with the feature `step` |
 //!
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
@@ -20,6 +21,7 @@
 pub mod basis;
 pub mod cast;
 pub mod curve;
+pub mod demo;
 pub mod face;
 pub mod frame;
 pub mod model;

@@ -17,8 +17,14 @@ const STRAIGHT: f64 = 1e-3;
 /// Work of a sample.
 const SAMPLE: usize = 40;
 
+/// Work of a point of a spline among samples, and of one on the way to the nearest point.
+const EVALUATION: [usize; 2] = [3, 8];
+
+/// Points evaluated on the way to the nearest point of a surface and of a curve, if the way is long.
+const DESCENT: [usize; 2] = [50, 250];
+
 /// Segments of an edge besides what its knots need: a circle on a plane takes some four hundred.
-const MOST_SEGMENTS: usize = 1 << 13;
+const MOST_SEGMENTS: usize = 1 << 11;
 
 /// Halvings of the distance between two samples.
 const DEEPEST: usize = 13;
@@ -52,7 +58,7 @@ impl Mapper<'_> {
     /// parameters from the edge, metres.
     pub fn map(&self, path: &Path, pcurve: Option<&Pcurve>) -> Read<(Vec<Strand>, f64)> {
         let breaks = path.breaks();
-        self.file.spend(breaks.len())?;
+        self.file.spend(breaks.len() * (1 + EVALUATION[1] * DESCENT[0] * self.domain.poles.len()))?;
         let pcurve = pcurve.filter(|pcurve| {
             let near = |s: &f64| {
                 self.surface.point(self.domain.within(pcurve.at(path, *s))).distance(path.point(*s))
@@ -125,6 +131,24 @@ impl Mapper<'_> {
     }
 }
 
+/// Work of finding the nearest point of a surface, without a guess or with one.
+fn inversion_work(surface: &Surface, is_guessed: bool) -> usize {
+    let [samples, steps] = match surface {
+        Surface::Nurbs(_) if is_guessed => [0, DESCENT[0]],
+        // A grid over all spans, and four ways from it.
+        Surface::Nurbs(nurbs) => {
+            let [u, v] = [0, 1].map(|side| nurbs.counts[side].saturating_mul(nurbs.degrees[side] + 1));
+            [u.saturating_mul(v), 4 * DESCENT[0]]
+        }
+        Surface::Revolution { profile: Curve::Nurbs(profile), .. }
+        | Surface::Extrusion { profile: Curve::Nurbs(profile), .. } => {
+            [profile.poles.len() * (profile.degree + 4), DESCENT[1]]
+        }
+        _ => [0, 0],
+    };
+    samples.saturating_mul(EVALUATION[0]).saturating_add(SAMPLE + steps * EVALUATION[1])
+}
+
 impl Pcurve {
     /// Parameters at s of the edge.
     fn at(&self, path: &Path, s: f64) -> DVec2 {
@@ -142,10 +166,16 @@ struct Sampling<'a> {
 impl Sampling<'_> {
     /// Parameters at s, of a period's turns those nearest to `near`.
     fn at(&self, s: f64, near: Option<DVec2>) -> Read<DVec2> {
-        self.mapper.file.spend(SAMPLE)?;
         let mut at = match self.pcurve {
-            Some(pcurve) => pcurve.at(self.path, s),
-            None => self.mapper.surface.invert(self.path.point(s), near),
+            Some(pcurve) => {
+                self.mapper.file.spend(SAMPLE)?;
+                pcurve.at(self.path, s)
+            }
+            None => {
+                let surface = self.mapper.surface;
+                self.mapper.file.spend(inversion_work(surface, near.is_some()))?;
+                surface.invert(self.path.point(s), near)
+            }
         };
         if let Some(near) = near {
             for (axis, period) in self.mapper.domain.periods.iter().enumerate() {
@@ -190,16 +220,22 @@ impl Sampling<'_> {
         let mut refined = vec![points[0]];
         for index in 0..last {
             let ends = [(samples[index], points[index]), (samples[index + 1], points[index + 1])];
-            self.refine(ends, DEEPEST, &mut refined)?;
-            if refined.len() > MOST_SEGMENTS + 16 * samples.len() {
-                return Err(Flaw::Unread("edges have no smooth course on the surface".into()));
-            }
+            self.refine(ends, DEEPEST, MOST_SEGMENTS + 16 * samples.len(), &mut refined)?;
         }
         Ok((self.mapper.straightened(&refined), off))
     }
 
-    /// Appends points up to the second end.
-    fn refine(&self, [a, b]: [(f64, DVec2); 2], depth: usize, points: &mut Vec<DVec2>) -> Read<()> {
+    /// Appends points up to the second end; no more than so many in all.
+    fn refine(
+        &self,
+        [a, b]: [(f64, DVec2); 2],
+        depth: usize,
+        most: usize,
+        points: &mut Vec<DVec2>,
+    ) -> Read<()> {
+        if points.len() > most {
+            return Err(Flaw::Unread("edges have no smooth course on the surface".into()));
+        }
         let along = |fraction: f64| self.at(a.0 + fraction * (b.0 - a.0), Some(a.1.lerp(b.1, fraction)));
         let middle = along(0.5)?;
         if depth > 0 {
@@ -210,8 +246,8 @@ impl Sampling<'_> {
             let stands_off = |at: DVec2| self.mapper.distance(at, a.1, b.1) > tolerance;
             if is_far || stands_off(middle) || stands_off(along(0.25)?) || stands_off(along(0.75)?) {
                 let half = (0.5 * (a.0 + b.0), middle);
-                self.refine([a, half], depth - 1, points)?;
-                return self.refine([half, b], depth - 1, points);
+                self.refine([a, half], depth - 1, most, points)?;
+                return self.refine([half, b], depth - 1, most, points);
             }
         }
         points.push(b.1);

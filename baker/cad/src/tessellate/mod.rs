@@ -17,8 +17,11 @@ const MOST_VERTICES: usize = 1 << 18;
 const FRACTIONS: [f64; 3] = [0.5, 0.27, 0.73];
 /// Parts of an edge that is a point in space.
 const POLE_PARTS: u32 = 32;
-/// Coordinates below this are 0 to the triangulation, which refuses smaller ones.
-const LEAST_COORDINATE: f64 = 1e-100;
+/// Coordinates of the triangulation are multiples of this part of the domain's size: edges along an axis are so exactly, and no
+/// coordinate but 0 is smaller than the triangulation takes.
+const GRID: f64 = 1.0 / (1_u64 << 44) as f64;
+/// Height of a triangle, relative to its longest edge, below which its corners are on one line but for rounding.
+const SLIVER: f64 = 1e-11;
 
 /// A triangulated face.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,7 +167,7 @@ pub fn face(
         points.iter().zip(next).map(|(&from, &to)| TrimEdge::Segment { from, to }).collect()
     };
     let domain = TrapezoidalMap::new(&outlines.iter().map(polygon).collect::<Vec<_>>())?;
-    let mut mesh = Mesh::new(surface, scale(domain.bounds(), surface));
+    let mut mesh = Mesh::new(surface, scale(domain.bounds(), surface), domain.bounds());
     let mut result = Tessellation::default();
     for points in outlines {
         let vertices = points.iter().map(|&at| mesh.insert(at)).collect::<Result<Vec<_>, _>>()?;
@@ -208,20 +211,31 @@ fn scale([low, high]: [DVec2; 2], surface: &impl Fn(DVec2) -> DVec3) -> DVec2 {
 struct Mesh<'a, S> {
     surface: &'a S,
     scale: DVec2,
+    /// A power of two.
+    grid: f64,
     plane: ConstrainedDelaunayTriangulation<Point2<f64>>,
     parameters: Vec<DVec2>,
     positions: Vec<DVec3>,
 }
 
 impl<'a, S: Fn(DVec2) -> DVec3> Mesh<'a, S> {
-    fn new(surface: &'a S, scale: DVec2) -> Self {
+    fn new(surface: &'a S, scale: DVec2, [low, high]: [DVec2; 2]) -> Self {
         let plane = ConstrainedDelaunayTriangulation::new();
-        Self { surface, scale, plane, parameters: Vec::new(), positions: Vec::new() }
+        let size = (scale * (high - low)).max_element();
+        let grid = if size.is_normal() { size.log2().floor().exp2() * GRID } else { 1.0 };
+        Self { surface, scale, grid, plane, parameters: Vec::new(), positions: Vec::new() }
     }
 
     fn planar(&self, at: DVec2) -> Point2<f64> {
-        let flushed = |x: f64| if x.abs() < LEAST_COORDINATE { 0.0 } else { x };
-        Point2::new(flushed(at.x * self.scale.x), flushed(at.y * self.scale.y))
+        let at = (at * self.scale / self.grid).round() * self.grid;
+        Point2::new(at.x, at.y)
+    }
+
+    /// Whether a triangle belongs to the domain, of which the outlines enclose nothing between points on one line.
+    fn is_within(&self, domain: &TrapezoidalMap, at: [DVec2; 3]) -> bool {
+        let [a, b, c] = at.map(|at| self.scale * at);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        (b - a).perp_dot(c - a).abs() > SLIVER * longest && domain.contains((at[0] + at[1] + at[2]) / 3.0)
     }
 
     /// The vertex at parameters, new or not.
@@ -280,7 +294,7 @@ impl<'a, S: Fn(DVec2) -> DVec3> Mesh<'a, S> {
             let vertices = triangle.vertices().map(|vertex| vertex.fix().index());
             let at = vertices.map(|vertex| self.parameters[vertex]);
             let middle = (at[0] + at[1] + at[2]) / 3.0;
-            if !domain.contains(middle) {
+            if !self.is_within(domain, at) {
                 continue;
             }
             let [a, b, c] = vertices.map(|vertex| self.positions[vertex]);
@@ -315,10 +329,8 @@ impl<'a, S: Fn(DVec2) -> DVec3> Mesh<'a, S> {
 
     fn triangles(&self, domain: &TrapezoidalMap) -> Vec<[u32; 3]> {
         let faces = self.plane.inner_faces().map(|face| face.vertices().map(|vertex| vertex.fix().index()));
-        let within = faces.filter(|vertices| {
-            let [a, b, c] = vertices.map(|vertex| self.parameters[vertex]);
-            domain.contains((a + b + c) / 3.0)
-        });
+        let within =
+            faces.filter(|vertices| self.is_within(domain, vertices.map(|vertex| self.parameters[vertex])));
         within.map(|vertices| vertices.map(|vertex| vertex as u32)).collect()
     }
 }

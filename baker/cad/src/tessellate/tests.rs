@@ -136,6 +136,34 @@ fn curved_faces_keep_the_chord_error() {
     }
 }
 
+/// Half a cylinder whose borders are level but for rounding: no triangles close its ends.
+#[test]
+fn borders_that_are_level_but_for_rounding_have_no_triangles_beyond() {
+    for nudge in [0.0, 1e-17, -1e-17, 1e-16, -3e-16, 1e-60] {
+        let corners = [
+            DVec2::new(0.3, -0.02),
+            DVec2::new(0.3 + PI, -0.02 + nudge),
+            DVec2::new(0.3 + PI, 0.07 - nudge),
+            DVec2::new(0.3, 0.07),
+        ];
+        let edges: TrimLoop =
+            (0..4).map(|i| TrimEdge::Segment { from: corners[i], to: corners[(i + 1) % 4] }).collect();
+        for tilt in [0.0, 0.1] {
+            let tilted = |at: DVec2| cylinder(at + DVec2::new(0.0, tilt * at.x));
+            let mesh = tessellated(std::slice::from_ref(&edges), &tilted, 1e-4);
+            let expected = 0.09 * PI;
+            assert!((area(&mesh) / expected - 1.0).abs() < 1e-3, "{nudge} {tilt}: {}", area(&mesh));
+        }
+    }
+}
+
+/// A tiny coordinate is no fault.
+#[test]
+fn tiny_coordinates_are_triangulated() {
+    let points = [DVec2::new(1e-70, -1e-50), DVec2::X, DVec2::ONE, DVec2::new(-1e-47, 1.0)].to_vec();
+    assert_eq!(face(&[points], &plane, 1e-3).unwrap().triangles.len(), 2);
+}
+
 #[test]
 fn an_edge_has_the_same_points_both_ways() {
     let arc = TrimEdge::Arc { centre: DVec2::ONE, radii: DVec2::new(1.0, 0.4), angles: [0.3, 2.0] };

@@ -1,6 +1,6 @@
 //! Texts that are wrong or mean harm.
 
-use super::text::Text;
+use super::text::{Text, list};
 use crate::step::{StepError, read};
 use glam::{DQuat, DVec3};
 
@@ -121,4 +121,45 @@ fn a_hundred_thousand_occurrences_are_read() {
     (0..500).for_each(|_| text.occurrence("", rack, screw, origin, origin));
     (0..200).for_each(|_| text.occurrence("", hall, rack, origin, origin));
     assert_eq!(read(text.finish().as_bytes()).unwrap().instances.len(), 100_000);
+}
+
+/// A dozen faces whose edges never settle on an extruded spline with points far away: not a second each, but refused.
+#[test]
+fn edges_that_wander_on_a_spline_cost_what_they_take() {
+    for along in [DVec3::Z, DVec3::new(20.0, 0.0, 1.0)] {
+        assert_eq!(read(wandering(along).as_bytes()), Err(StepError::TooLarge));
+    }
+}
+
+fn wandering(along: DVec3) -> String {
+    let mut text = Text::new();
+    let context = text.millimetres();
+    let places = [
+        [20.0, 0.0, 0.0],
+        [20.0, 20.0, 0.0],
+        [0.0, 20.0, 0.0],
+        [-20.0, 20.0, 9e15],
+        [-20.0, 0.0, 0.0],
+        [-20.0, -20.0, 0.0],
+        [0.0, -20.0, 0.0],
+        [20.0, -20.0, 0.0],
+        [4e9, 0.0, 0.0],
+    ];
+    let poles = places.map(|place| text.point(DVec3::from_array(place)));
+    let spline = text.add(format!(
+        "( BOUNDED_CURVE() B_SPLINE_CURVE(2,{},.UNSPECIFIED.,.F.,.F.) \
+         B_SPLINE_CURVE_WITH_KNOTS((3,2,2,2,3),(0.,1.,2.,3.,4.),.UNSPECIFIED.) CURVE() \
+         GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_CURVE((1.,0.7,1.,0.7,1.,0.7,1.,0.7,1.)) \
+         REPRESENTATION_ITEM('') )",
+        list(&poles)
+    ));
+    let up = text.direction(along);
+    let up = text.add(format!("VECTOR('',#{up},10.)"));
+    let surface = text.add(format!("SURFACE_OF_LINEAR_EXTRUSION('',#{spline},#{up})"));
+    let edges = [0.0, 50.0].map(|z| text.circle(DVec3::Z * z, DVec3::Z, DVec3::new(0.6, -0.8, 0.0), 20.0));
+    let bounds = [text.bound(&[(edges[0], true)]), text.bound(&[(edges[1], false)])];
+    let faces: Vec<u64> = (0..12).map(|_| text.face(surface, &bounds, true)).collect();
+    let solid = text.solid("", &faces);
+    text.product("tin", &[solid], context);
+    text.finish()
 }

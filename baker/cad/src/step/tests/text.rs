@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use std::fmt::Write;
+use std::hash::{Hash, Hasher};
 
 /// A STEP file under way.
 pub struct Text {
@@ -27,7 +28,19 @@ impl Text {
         self.last
     }
 
+    /// The file; it is kept in the folder that REBOUNCE_STEP_TEXTS names, if it names one.
     pub fn finish(&self) -> String {
+        let text = self.text();
+        if let Some(folder) = std::env::var_os("REBOUNCE_STEP_TEXTS") {
+            let mut hash = std::hash::DefaultHasher::new();
+            text.hash(&mut hash);
+            let file = format!("{:016x}.step", hash.finish());
+            std::fs::write(std::path::Path::new(&folder).join(file), &text).unwrap();
+        }
+        text
+    }
+
+    fn text(&self) -> String {
         format!(
             "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n\
              FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n{}ENDSEC;\nEND-ISO-10303-21;\n",
