@@ -3,6 +3,7 @@
 mod apartment;
 mod arcade;
 mod attic;
+mod cad;
 mod cornell_box;
 mod corridor;
 mod furnace;
@@ -23,16 +24,20 @@ use std::f64::consts::TAU;
 use two_rooms::Door;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 13] = [
+pub const NAMES: [&str; 17] = [
     "apartment",
     "arcade",
     "attic",
+    "chess",
     "cornell-box",
     "corridor",
     "furnace",
     "gallery",
     "library",
+    "opera",
+    "teapot",
     "theatre",
+    "tori",
     "two-rooms",
     "two-rooms-door",
     "two-rooms-leaf",
@@ -58,6 +63,7 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "two-rooms-door" => Ok(two_rooms::scene(name, Door::Open)),
         "two-rooms-leaf" => Ok(two_rooms::scene(name, Door::Leaf(0.0))),
         "two-rooms-leaf-open" => Ok(two_rooms::scene(name, Door::Leaf(80.0))),
+        _ if cad::NAMES.contains(&name) => cad::scene(name),
         _ => Err(unknown(name)),
     }
 }
@@ -195,7 +201,7 @@ mod tests {
             let scene = load(name).unwrap();
             assert!(!scene.cameras.is_empty() && !scene.lights.is_empty() && scene.degenerate_triangles == 0);
         }
-        assert!(load("teapot").unwrap_err().to_string().contains("builtin:cornell-box"));
+        assert!(load("kettle").unwrap_err().to_string().contains("builtin:cornell-box"));
     }
 
     /// From `eye` (world space) every ray that hits anything hits a front.

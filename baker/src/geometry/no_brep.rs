@@ -8,9 +8,11 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// No surfaces.
-pub enum BrepSurfaces {}
+pub enum NoFaces {}
 
-impl BrepSurfaces {
+pub use NoFaces as BrepSurfaces;
+
+impl NoFaces {
     pub fn new(_: &Arc<Brep>, _: &[bool], _: f32) -> Option<Self> {
         None
     }

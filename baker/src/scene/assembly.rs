@@ -245,10 +245,12 @@ fn append(part: &PreparedPart, world_from_part: &DAffine3, out: &mut WorldMesh) 
         out.normals.extend(mesh.parameters.iter().map(|at| normal(*at)));
         out.uvs.extend(mesh.positions.iter().map(|_| Vec2::ZERO));
         let is_turned = face.face.is_reversed != is_mirrored;
-        out.triangles.extend(mesh.triangles.iter().map(|&[a, b, c]| {
+        // At a pole, which is one point in space, some have no area.
+        let has_area = |t: &&[u32; 3]| WorldMesh::has_area(t.map(|i| mesh.positions[i as usize]));
+        out.triangles.extend(mesh.triangles.iter().filter(has_area).map(|&[a, b, c]| {
             let [a, b, c] = if is_turned { [a, c, b] } else { [a, b, c] };
             [first + a, first + b, first + c]
         }));
-        out.triangle_material.extend(mesh.triangles.iter().map(|_| face.material));
+        out.triangle_material.resize(out.triangles.len(), face.material);
     }
 }

@@ -19,14 +19,14 @@ const LARGEST_LEAF: u32 = 1;
 /// Exact faces, ready for rays.
 pub struct BrepSurfaces {
     brep: Arc<Brep>,
-    instances: Vec<Instance>,
+    instances: Vec<PlacedPart>,
     bvh: Bvh8,
     /// Pieces in leaf order.
     pieces: Vec<PlacedPiece>,
 }
 
 /// Placement of a part.
-struct Instance {
+struct PlacedPart {
     local_from_part: DAffine3,
     part_from_local: DAffine3,
 }
@@ -66,7 +66,7 @@ impl BrepSurfaces {
             }
         }
         let (bvh, order) = build(&boxes, LARGEST_LEAF);
-        let instance = |placed: &BrepInstance| Instance {
+        let instance = |placed: &BrepInstance| PlacedPart {
             local_from_part: placed.local_from_part,
             part_from_local: placed.local_from_part.inverse(),
         };
@@ -85,7 +85,7 @@ impl BrepSurfaces {
 
     /// Returns the nearest hit; `seen`: backs of one-sided faces are culled.
     pub fn nearest(&self, materials: &[Surface], ray: &Ray, is_seen: bool) -> Option<Hit> {
-        let visit = Nearest { query: Query::new(self, ray, is_seen.then_some(materials)), best: None };
+        let visit = NearestFace { query: Query::new(self, ray, is_seen.then_some(materials)), best: None };
         let best = self.bvh.walk(ray.origin, ray.direction, ray.max_distance, visit)?;
         Some(self.shade(materials, ray, best))
     }
@@ -93,7 +93,7 @@ impl BrepSurfaces {
     /// Returns whether a face is met before `limit`.
     pub fn is_hidden(&self, origin: Vec3, direction: Vec3, limit: f32) -> bool {
         let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
-        let visit = Any { query: Query::new(self, &ray, None), is_found: false };
+        let visit = AnyFace { query: Query::new(self, &ray, None), is_found: false };
         self.bvh.walk(origin, direction, limit, visit)
     }
 
@@ -173,12 +173,12 @@ impl<'a> Query<'a> {
 }
 
 /// Visitor for the nearest hit.
-struct Nearest<'a> {
+struct NearestFace<'a> {
     query: Query<'a>,
     best: Option<BrepHit>,
 }
 
-impl Visit for Nearest<'_> {
+impl Visit for NearestFace<'_> {
     type Found = Option<BrepHit>;
 
     #[inline]
@@ -204,12 +204,12 @@ impl Visit for Nearest<'_> {
 }
 
 /// Visitor for any hit.
-struct Any<'a> {
+struct AnyFace<'a> {
     query: Query<'a>,
     is_found: bool,
 }
 
-impl Visit for Any<'_> {
+impl Visit for AnyFace<'_> {
     type Found = bool;
 
     #[inline]
