@@ -13,6 +13,7 @@
 //! | [`cast`] | faces cut into pieces for rays |
 //! | [`tessellate`] | triangles of faces, for the screen |
 //! | [`model`] | parts of an assembly |
+//! | [`virtual_mesh`] | faces mapped to unit squares, areas in proportion |
 //! | `step` | reader of STEP files; with the feature `step` |
 //!
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
@@ -31,3 +32,4 @@ pub mod step;
 pub mod surface;
 pub mod tessellate;
 pub mod trim;
+pub mod virtual_mesh;

@@ -220,6 +220,32 @@ fn contains_is_the_even_odd_rule() {
 }
 
 #[test]
+fn areas_within_the_cells_of_a_grid_add_up() {
+    for (name, loops, _) in domains() {
+        let map = TrapezoidalMap::new(&loops).unwrap();
+        let [low, high] = map.bounds();
+        let margin = 0.1 * (high - low);
+        let [low, side] = [low - margin, (high - low + 2.0 * margin) / 7.0];
+        let mut sum = 0.0;
+        for i in 0..49 {
+            let corner = low + side * DVec2::new(f64::from(i % 7), f64::from(i / 7));
+            let patch = [corner, corner + side];
+            let area = map.area_within(patch);
+            let whole = side.x * side.y;
+            match map.coverage(patch) {
+                Coverage::Empty => assert!(area.abs() < 1e-9 * whole, "{name}: {area} of an empty cell"),
+                Coverage::Plain => assert!((area - whole).abs() < 1e-9 * whole, "{name}: {area} of {whole}"),
+                Coverage::Boundary => {
+                    assert!((-1e-9..1.0 + 1e-9).contains(&(area / whole)), "{name}: {area}")
+                }
+            }
+            sum += area;
+        }
+        assert!((sum - map.area()).abs() < 1e-9 * map.area().max(1.0), "{name}: {sum}, not {}", map.area());
+    }
+}
+
+#[test]
 fn area_is_that_of_closed_forms() {
     for (name, loops, area) in domains() {
         if let Some(expected) = area {

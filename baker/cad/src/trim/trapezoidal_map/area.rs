@@ -1,0 +1,57 @@
+//! Areas of trimmed domains.
+
+use super::{TrapezoidalMap, sort_key};
+use glam::DVec2;
+
+impl TrapezoidalMap {
+    /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many pieces are long.
+    pub fn area(&self) -> f64 {
+        let origin = 0.5 * (self.bounds[0].y + self.bounds[1].y);
+        let mut area = 0.0;
+        let mut next = 0;
+        let mut active: Vec<(f64, usize)> = Vec::new();
+        for slab in self.lines.windows(2) {
+            active.retain(|&(_, piece)| self.pieces[piece].u[1] > slab[0]);
+            while self.pieces.get(next).is_some_and(|piece| piece.u[0] <= slab[0]) {
+                active.push((0.0, next));
+                next += 1;
+            }
+            for (order, piece) in &mut active {
+                *order = sort_key(&self.pieces[*piece], slab[0], slab[1]);
+            }
+            active.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (i, &(_, piece)) in active.iter().enumerate() {
+                let integral = self.pieces[piece].integral(slab[0], slab[1], origin);
+                area += if i % 2 == 1 { integral } else { -integral };
+            }
+        }
+        area
+    }
+
+    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where the patch spans s
+    /// slabs.
+    pub fn area_within(&self, patch: [DVec2; 2]) -> f64 {
+        let [low, high] = patch;
+        let slabs = self.lines.len().saturating_sub(1);
+        let begin = self.lines.partition_point(|&line| line <= low.x).saturating_sub(1);
+        let end = self.lines.partition_point(|&line| line < high.x).min(slabs);
+        let mut area = 0.0;
+        let mut entries: Vec<(f64, u32)> = Vec::new();
+        for slab in begin..end {
+            let [left, right] = [self.lines[slab], self.lines[slab + 1]];
+            let [from, to] = [left.max(low.x), right.min(high.x)];
+            if from >= to {
+                continue;
+            }
+            let key = |&entry: &u32| (sort_key(&self.pieces[entry as usize], left, right), entry);
+            entries.clear();
+            entries.extend(self.levels.iter().flat_map(|level| level.node(slab)).map(key));
+            entries.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            for (i, &(_, entry)) in entries.iter().enumerate() {
+                let integral = self.pieces[entry as usize].clamped_integral([from, to], [low.y, high.y]);
+                area += if i % 2 == 1 { integral } else { -integral };
+            }
+        }
+        area
+    }
+}
