@@ -1,4 +1,5 @@
-//! Antiderivatives of area elements that depend on one parameter: closed forms and their inverses, or a table.
+//! Antiderivatives of area elements that depend on one parameter: closed forms and their inverses, or a
+//! table.
 
 use super::cumulative::Cumulative;
 use super::root::root;
@@ -29,7 +30,8 @@ pub(super) enum Form {
         /// 1, or −1 where the line is below 0.
         side: f64,
     },
-    /// g = mean + amplitude cos(t + phase), as of a torus. G = mean t + amplitude sin(t + phase) is inverted as Kepler's equation.
+    /// g = mean + amplitude cos(t + phase), as of a torus. G = mean t + amplitude sin(t + phase) is inverted
+    /// as Kepler's equation.
     Kepler {
         /// Not negative, but for the inner part of an apple.
         mean: f64,

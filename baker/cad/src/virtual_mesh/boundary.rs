@@ -16,7 +16,8 @@ const DEEPEST: u32 = 10;
 pub(super) struct Chain {
     /// In the flat plane, of each loop.
     pub loops: Vec<Vec<DVec2>>,
-    /// How far the chords are from the curve at most: part of the extents in x and y. 0 for polygons on planes.
+    /// How far the chords are from the curve at most: part of the extents in x and y. 0 for polygons on
+    /// planes.
     pub deviation: f64,
 }
 
@@ -99,7 +100,8 @@ pub(super) struct BoundarySegment {
     pub space: [DVec3; 2],
 }
 
-/// The point of a boundary nearest to a point in space: in the unit square, with the direction of its segment there.
+/// The point of a boundary nearest to a point in space: in the unit square, with the direction of its segment
+/// there.
 pub(super) fn nearest(boundary: &[BoundarySegment], point: DVec3) -> Option<(DVec2, DVec2)> {
     let mut least = f64::INFINITY;
     let mut found = None;

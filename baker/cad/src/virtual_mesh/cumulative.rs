@@ -1,6 +1,6 @@
 //! Cumulative integral of a density over one parameter, as a table.
 
-use super::legendre::{ORDER, RULE, Series, integral, inverse_integral, series, value};
+use super::legendre::{ORDER, RULE, Series, integral, inverse_integral, series};
 
 /// Highest degrees of a series together are at most this part of the mean density.
 const PRECISION: f64 = 1e-10;
@@ -9,8 +9,8 @@ const DEEPEST: u32 = 18;
 
 /// G(t) = ∫ g from the beginning of a range, for g not negative, and its inverse.
 ///
-/// The range is halved until the Legendre series through the eight Gauss nodes of each interval has settled; the series is
-/// integrated in closed form, so that value and inverse agree to rounding.
+/// The range is halved until the Legendre series through the eight Gauss nodes of each interval has settled;
+/// the series is integrated in closed form, so that value and inverse agree to rounding.
 #[derive(Clone, Debug)]
 pub(super) struct Cumulative {
     /// Ends of intervals, ascending.
@@ -22,7 +22,8 @@ pub(super) struct Cumulative {
 }
 
 impl Cumulative {
-    /// The integral of a density over a range, which is smooth between `breaks`: ascending, the ends of the range among them.
+    /// The integral of a density over a range, which is smooth between `breaks`: ascending, the ends of the
+    /// range among them.
     pub(super) fn new(breaks: &[f64], density: impl Fn(f64) -> f64) -> Self {
         let through = |a: f64, b: f64| {
             let half = 0.5 * (b - a);
@@ -68,13 +69,6 @@ impl Cumulative {
         let target = (sum - self.sums[i]).clamp(0.0, self.sums[i + 1] - self.sums[i]);
         (a + half * (1.0 + inverse_integral(&self.densities[i], target / half))).clamp(a, b)
     }
-
-    /// g as the table has it.
-    pub(super) fn density(&self, t: f64) -> f64 {
-        let i = interval(&self.ends, t);
-        let [a, b] = [self.ends[i], self.ends[i + 1]];
-        value(&self.densities[i], (2.0 * (t - a) / (b - a) - 1.0).clamp(-1.0, 1.0))
-    }
 }
 
 /// The interval between ascending ends in which a number lies; the first or last if it lies outside.
@@ -96,7 +90,6 @@ mod tests {
         for i in 0..=300 {
             let t = -1.0 + f64::from(i) / 100.0;
             assert!((table.value(t) - exact(t)).abs() < 1e-9, "{t}");
-            assert!((table.density(t) - t.sin().abs()).abs() < 1e-5, "{t}");
             let back = table.inverse(table.value(t));
             assert!((table.value(back) - table.value(t)).abs() < 1e-12);
             assert!(t.abs() < 0.01 || (back - t).abs() < 1e-9, "{t} {back}");

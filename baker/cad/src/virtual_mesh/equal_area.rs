@@ -11,8 +11,8 @@ use glam::{DVec2, DVec3};
 /// Of unit vectors that are taken for parallel.
 const ROUNDING: f64 = 1e-12;
 
-/// Ψ⁻¹ of Alonso et al. 2001, 3.1, as a map of parameters (u, v) to a plane (x, y) in which areas are those on the surface: its
-/// Jacobian with the area element |σᵤ × σᵥ| is 1.
+/// Ψ⁻¹ of Alonso et al. 2001, 3.1, as a map of parameters (u, v) to a plane (x, y) in which areas are those
+/// on the surface: its Jacobian with the area element |σᵤ × σᵥ| is 1.
 #[derive(Clone, Debug)]
 pub(super) enum EqualArea {
     /// Planes: (x, y) = (u, v).
@@ -24,8 +24,8 @@ pub(super) enum EqualArea {
 }
 
 impl EqualArea {
-    /// The map of a surface. `domain` has the least and greatest parameters that matter: beyond it, and beyond poles and apices,
-    /// parameters may be clamped.
+    /// The map of a surface. `domain` has the least and greatest parameters that matter: beyond it, and
+    /// beyond poles and apices, parameters may be clamped.
     pub(super) fn new(surface: &Surface, domain: [DVec2; 2]) -> Self {
         let [low, high] = domain;
         let range = [low.y, high.y];

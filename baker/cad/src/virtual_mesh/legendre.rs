@@ -1,4 +1,5 @@
-//! Legendre polynomials, to interpolate a function between the nodes of a Gauss–Legendre rule and to integrate it.
+//! Legendre polynomials, to interpolate a function between the nodes of a Gauss–Legendre rule and to
+//! integrate it.
 
 /// Nodes of a rule, and coefficients of a series.
 pub(super) const ORDER: usize = 8;
@@ -53,14 +54,15 @@ pub(super) fn integral(series: &Series, x: f64) -> f64 {
     (1..ORDER).fold(first, |sum, k| sum + series[k] * (p[k + 1] - p[k - 1]) / (2 * k + 1) as f64)
 }
 
-/// The x from −1 to 1 at which the integral of a series that is not negative is `target`: Newton's iteration, bisection where
-/// that leaves the bracket.
+/// The x from −1 to 1 at which the integral of a series that is not negative is `target`: Newton's iteration,
+/// bisection where that leaves the bracket.
 pub(super) fn inverse_integral(series: &Series, target: f64) -> f64 {
     let [mut low, mut high] = [-1.0, 1.0];
-    let mut x = (target / series[0] - 1.0).clamp(low, high);
-    if !x.is_finite() {
-        return 0.0;
+    let whole = 2.0 * series[0];
+    if target <= 0.0 || target >= whole || whole.is_nan() {
+        return if target <= 0.0 { low } else { high };
     }
+    let mut x = target / series[0] - 1.0;
     for _ in 0..64 {
         let excess = integral(series, x) - target;
         if excess > 0.0 {

@@ -9,11 +9,12 @@ const PRECISION: f64 = 1e-6;
 /// Intervals in one direction are halved while there are no more than this, besides those between breaks.
 const MOST_INTERVALS: usize = 48;
 
-/// x = ∫ M du with the marginal M(u) = ∫ g dv, and y = ∫ g dv / M from the beginning of v: Equation 2 of Alonso et al. 2001 with
-/// f′ = 1 / M. The Jacobian is 1: x goes from 0 to the area, y from 0 to 1.
+/// x = ∫ M du with the marginal M(u) = ∫ g dv, and y = ∫ g dv / M from the beginning of v: Equation 2 of
+/// Alonso et al. 2001 with f′ = 1 / M. The Jacobian is 1: x goes from 0 to the area, y from 0 to 1.
 ///
-/// g is interpolated by tensor products of Legendre polynomials through 8 × 8 Gauss nodes in the cells of a grid, which is
-/// refined until they settle; all integrals of the interpolant are closed forms. Beyond the rectangle parameters are clamped.
+/// g is interpolated by tensor products of Legendre polynomials through 8 × 8 Gauss nodes in the cells of a
+/// grid, which is refined until they settle; all integrals of the interpolant are closed forms. Beyond the
+/// rectangle parameters are clamped.
 #[derive(Clone, Debug)]
 pub(super) struct Marginal {
     /// Ends of intervals in u and in v, ascending.
@@ -27,7 +28,8 @@ pub(super) struct Marginal {
 }
 
 impl Marginal {
-    /// The map of a density that is smooth between `breaks` in u and in v: ascending, the ends of the rectangle among them.
+    /// The map of a density that is smooth between `breaks` in u and in v: ascending, the ends of the
+    /// rectangle among them.
     pub(super) fn new(breaks: [Vec<f64>; 2], density: impl Fn(DVec2) -> f64) -> Self {
         let most = [0, 1].map(|direction| MOST_INTERVALS + breaks[direction].len());
         let mut ends = breaks;

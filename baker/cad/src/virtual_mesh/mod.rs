@@ -1,7 +1,7 @@
 //! Virtual mesh: trimmed surfaces mapped to unit squares so that areas keep their proportions.
 //!
-//! Alonso, Cuny, Petitjean, Paul, Lazard, Wies: The Virtual Mesh: A Geometric Abstraction for Efficiently Computing Radiosity
-//! (2001), sections 3 and 4.
+//! Alonso, Cuny, Petitjean, Paul, Lazard, Wies: The Virtual Mesh: A Geometric Abstraction for Efficiently
+//! Computing Radiosity (2001), sections 3 and 4.
 //!
 //! | module | what it has |
 //! |---|---|
@@ -49,9 +49,10 @@ pub enum VirtualMeshError {
 
 /// The virtual support of a face: (s, t) in the unit square, mapped to the surface with a constant Jacobian.
 ///
-/// An equal-area map Ψ⁻¹ takes the face to a plane; the smallest parallelogram around its image there (Schwarz et al. 1994) is
-/// taken to the unit square by an affine map. Points of the square that belong to the face are real, the others virtual.
-/// Trimming curves are segments there, that deviate from the exact ones by 1e-5 of the face's extent at most.
+/// An equal-area map Ψ⁻¹ takes the face to a plane; the smallest parallelogram around its image there
+/// (Schwarz et al. 1994) is taken to the unit square by an affine map. Points of the square that belong to
+/// the face are real, the others virtual. Trimming curves are segments there, that deviate from the exact
+/// ones by 1e-5 of the face's extent at most.
 #[derive(Clone, Debug)]
 pub struct VirtualMesh {
     surface: Surface,
@@ -107,7 +108,8 @@ impl VirtualMesh {
         Ok(Self { surface, is_reversed, map, parallelogram, real, boundary, deviation })
     }
 
-    /// Parameters (u, v) of a point of the square. Beyond poles, apices and the ends of tables, those at the border.
+    /// Parameters (u, v) of a point of the square. Beyond poles, apices and the ends of tables, those at the
+    /// border.
     pub fn parameters(&self, st: DVec2) -> DVec2 {
         self.map.parameters(self.parallelogram.at(st))
     }
@@ -153,8 +155,8 @@ impl VirtualMesh {
         self.area() * self.real_share([DVec2::ZERO, DVec2::ONE])
     }
 
-    /// Whether all points of a cell, least and greatest corner, are real, none, or perhaps some: never plain or empty where that is
-    /// not so.
+    /// Whether all points of a cell, least and greatest corner, are real, none, or perhaps some: never plain
+    /// or empty where that is not so.
     pub fn coverage(&self, cell: [DVec2; 2]) -> Coverage {
         let low = (cell[0] - self.deviation).max(DVec2::splat(RIM));
         let high = (cell[1] + self.deviation).min(DVec2::splat(1.0 - RIM));
@@ -172,8 +174,8 @@ impl VirtualMesh {
         (self.real.area_within(cell) / (sides.x * sides.y)).clamp(0.0, 1.0)
     }
 
-    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the square inside
-    /// of the boundary where that is nearest, less where the face is narrower.
+    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the
+    /// square inside of the boundary where that is nearest, less where the face is narrower.
     pub fn nearest_real(&self, st: DVec2) -> DVec2 {
         if self.is_real(st) {
             return st;

@@ -1,4 +1,5 @@
-//! Area elements of surfaces of revolution in closed form: lines and conics about their axes, circles as tori.
+//! Area elements of surfaces of revolution in closed form: lines and conics about their axes, circles as
+//! tori.
 
 use super::antiderivative::{Antiderivative, Form, Substitution};
 use crate::curve::Curve;
@@ -9,8 +10,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Of the sizes compared: so near is on the axis, in the plane, along it.
 const ROUNDING: f64 = 1e-10;
 
-/// An antiderivative of ρ |λ′|, where ρ is the distance of the profile from the axis, that holds on a range of v; `None` if there is
-/// no closed form. Alonso et al. 2001, appendix A: cones, spheroids; Cuny 2000: the other quadrics.
+/// An antiderivative of ρ |λ′|, where ρ is the distance of the profile from the axis, that holds on a range
+/// of v; `None` if there is no closed form. Alonso et al. 2001, appendix A: cones, spheroids; Cuny 2000: the
+/// other quadrics.
 pub(super) fn closed_form(frame: &Frame, profile: &Curve, range: [f64; 2]) -> Option<Antiderivative> {
     let middle = 0.5 * (range[0] + range[1]);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
@@ -60,7 +62,8 @@ pub(super) fn closed_form(frame: &Frame, profile: &Curve, range: [f64; 2]) -> Op
     found.holds(range).then_some(found)
 }
 
-/// A line at a distance a + b t from the axis, of this speed: a cone, cylinder or plane. Also [`crate::surface::Surface::Cone`].
+/// A line at a distance a + b t from the axis, of this speed: a cone, cylinder or plane. Also
+/// [`crate::surface::Surface::Cone`].
 pub(super) fn line(a: f64, b: f64, speed: f64, middle: f64) -> Antiderivative {
     let side = 1_f64.copysign(a + b * middle);
     if b.abs() <= ROUNDING * speed {
@@ -70,7 +73,8 @@ pub(super) fn line(a: f64, b: f64, speed: f64, middle: f64) -> Antiderivative {
     Antiderivative::new(form, beyond(side * b.signum(), -a / b))
 }
 
-/// An ellipse about one of its axes: radius across the axis and along it. Its farthest points are at `base` and half a turn on.
+/// An ellipse about one of its axes: radius across the axis and along it. Its farthest points are at `base`
+/// and half a turn on.
 pub(super) fn spheroid(across: f64, along: f64, base: f64, middle: f64) -> Antiderivative {
     let base = base + PI * ((middle - base) / PI).round();
     let substitution = Substitution::Sine { base };
@@ -79,7 +83,8 @@ pub(super) fn spheroid(across: f64, along: f64, base: f64, middle: f64) -> Antid
     Antiderivative::new(form, [base - FRAC_PI_2, base + FRAC_PI_2])
 }
 
-/// A circle about an axis in its plane, at the distance `major` from the centre, not negative: ρ = R + r cos(t − farthest).
+/// A circle about an axis in its plane, at the distance `major` from the centre, not negative: ρ = R + r
+/// cos(t − farthest).
 pub(super) fn torus(major: f64, minor: f64, farthest: f64, middle: f64) -> Antiderivative {
     let [mean, amplitude] = [major * minor, minor * minor];
     if major >= minor {

@@ -1,7 +1,7 @@
 //! Newton's iteration in a bracket.
 
-/// The x in a bracket where a function that does not descend is 0: Newton's iteration, with a bisection where it leaves the
-/// bracket, until x settles to 1e-15 of its size. `function` returns value and slope.
+/// The x in a bracket where a function that does not descend is 0: Newton's iteration, with a bisection where
+/// it leaves the bracket, until x settles to 1e-15 of its size. `function` returns value and slope.
 pub(super) fn root([mut low, mut high]: [f64; 2], start: f64, function: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut x = start;
     for _ in 0..200 {

@@ -4,7 +4,8 @@ use super::{TrapezoidalMap, sort_key};
 use glam::DVec2;
 
 impl TrapezoidalMap {
-    /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many pieces are long.
+    /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many
+    /// pieces are long.
     pub fn area(&self) -> f64 {
         let origin = 0.5 * (self.bounds[0].y + self.bounds[1].y);
         let mut area = 0.0;
@@ -28,8 +29,8 @@ impl TrapezoidalMap {
         area
     }
 
-    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where the patch spans s
-    /// slabs.
+    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where
+    /// the patch spans s slabs.
     pub fn area_within(&self, patch: [DVec2; 2]) -> f64 {
         let [low, high] = patch;
         let slabs = self.lines.len().saturating_sub(1);
