@@ -118,15 +118,18 @@ impl MonotoneEdge {
 
     /// ∫ (v − low) du from a to b, between the ends, with v clamped between `low` and `high`.
     pub fn clamped_integral(&self, [a, b]: [f64; 2], [low, high]: [f64; 2]) -> f64 {
-        // v is monotonic: it enters and leaves the strip once.
-        let [mut from, mut to] = [low, high].map(|level| self.u_at(level, [a, b]));
-        if from > to {
-            (from, to) = (to, from);
-        }
+        let [from, to] = self.within([a, b], [low, high]);
         let beyond = |u: f64| if self.v_at(u) > 0.5 * (low + high) { high - low } else { 0.0 };
         let before = if from > a { (from - a) * beyond(0.5 * (a + from)) } else { 0.0 };
         let after = if b > to { (b - to) * beyond(0.5 * (to + b)) } else { 0.0 };
         before + self.integral(from, to, low) + after
+    }
+
+    /// Between which u from a to b the clamped v is not `low` or `high`.
+    pub fn within(&self, range: [f64; 2], [low, high]: [f64; 2]) -> [f64; 2] {
+        // v is monotonic: it enters and leaves the strip once.
+        let [a, b] = [low, high].map(|level| self.u_at(level, range));
+        [a.min(b), a.max(b)]
     }
 
     /// The u from a to b where v is `level`; the nearer end if it is nowhere.

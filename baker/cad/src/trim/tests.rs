@@ -220,6 +220,21 @@ fn contains_is_the_even_odd_rule() {
 }
 
 #[test]
+fn moments_are_those_of_parts() {
+    // An L: [0, 2] × [0, 1] and [0, 1] × [1, 3]. Then a quarter disc, centroid 4 R / 3π.
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let map = TrapezoidalMap::new(&[polygon(&corners.map(DVec2::from))]).unwrap();
+    let moments = map.moments_within([DVec2::splat(-1.0), DVec2::splat(4.0)]);
+    assert!(moments.distance(DVec2::new(2.0 + 1.0, 1.0 + 4.0)) < 1e-12, "{moments}");
+    let moments = map.moments_within([DVec2::new(0.5, 0.5), DVec2::new(1.5, 2.0)]);
+    // 1 × 0.5 about (1, 0.75) and 0.5 × 1 about (0.75, 1.5).
+    assert!(moments.distance(DVec2::new(0.5 + 0.375, 0.375 + 0.75)) < 1e-12, "{moments}");
+    let disc = TrapezoidalMap::new(&[circle(0.0, 0.0, 1.0)]).unwrap();
+    let moments = disc.moments_within([DVec2::ZERO, DVec2::splat(2.0)]);
+    assert!((3.0 * moments - 1.0).abs().max_element() < 1e-2, "{moments}");
+}
+
+#[test]
 fn areas_within_the_cells_of_a_grid_add_up() {
     for (name, loops, _) in domains() {
         let map = TrapezoidalMap::new(&loops).unwrap();

@@ -31,8 +31,8 @@ use boundary::BoundarySegment;
 use equal_area::EqualArea;
 use glam::{DVec2, DVec3};
 
-/// How far within the boundary nearest real points are, in the unit square: the first that is real.
-const INWARD: [f64; 4] = [1e-4, 1e-5, 1e-6, 1e-3];
+/// How far inside of the boundary nearest real points are, in the unit square.
+const INSET: f64 = 1e-4;
 /// So much of a cell at the rim of the square is of no account.
 const RIM: f64 = 1e-9;
 
@@ -174,16 +174,38 @@ impl VirtualMesh {
         (self.real.area_within(cell) / (sides.x * sides.y)).clamp(0.0, 1.0)
     }
 
-    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the
-    /// square inside of the boundary where that is nearest, less where the face is narrower.
-    pub fn nearest_real(&self, st: DVec2) -> DVec2 {
-        if self.is_real(st) {
-            return st;
+    /// The part of a cell's area that is real, 0 to 1, and the centroid of that part in the square; the middle of the cell if it
+    /// is empty.
+    pub fn real_part(&self, cell: [DVec2; 2]) -> (f64, DVec2) {
+        let area = self.real.area_within(cell);
+        let sides = cell[1] - cell[0];
+        let share = (area / (sides.x * sides.y)).clamp(0.0, 1.0);
+        if share < RIM {
+            return (share, cell[0].midpoint(cell[1]));
         }
+        (share, (self.real.moments_within(cell) / area).clamp(cell[0], cell[1]))
+    }
+
+    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the square inside of
+    /// where the boundary is nearest, less where the face is narrower.
+    pub fn nearest_real(&self, st: DVec2) -> DVec2 {
+        if self.is_real(st) { st } else { self.moved_inside(st, INSET) }
+    }
+
+    /// A point itself if it is real and `inset` / 8 of the square inside of the boundary; else a real one about `inset` inside of
+    /// where the boundary is nearest in space, less where the face is narrower.
+    pub fn well_inside(&self, st: DVec2, inset: f64) -> DVec2 {
+        let around = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|axis| st + 0.125 * inset * axis);
+        let is_inside = self.is_real(st) && around.into_iter().all(|at| self.is_real(at));
+        if is_inside { st } else { self.moved_inside(st, inset) }
+    }
+
+    fn moved_inside(&self, st: DVec2, inset: f64) -> DVec2 {
         let Some((foot, along)) = boundary::nearest(&self.boundary, self.point(st)) else { return st };
         let inward = along.perp().normalize_or_zero();
-        let nudged = INWARD.iter().flat_map(|step| [foot + *step * inward, foot - *step * inward]);
-        nudged.into_iter().find(|&at| self.is_real(at)).unwrap_or(foot)
+        let steps = (0..8).map(|power| inset * 0.25_f64.powi(power));
+        let mut moved = steps.flat_map(|step| [foot + step * inward, foot - step * inward]);
+        moved.find(|&at| self.is_real(at)).unwrap_or(foot)
     }
 
     /// Bytes of memory it takes, about.

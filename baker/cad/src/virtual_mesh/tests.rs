@@ -306,6 +306,10 @@ fn coverage_is_never_wrong_and_shares_add_up() {
 #[test]
 fn nearest_real_points_of_planes_are_the_nearest() {
     let patch = [DVec2::new(-1.0, 0.5), DVec2::new(1.0, 2.0)];
+    let whole = mesh(&Surface::Plane(Frame::default()), vec![rectangle(patch[0], patch[1])]);
+    assert_eq!(whole.nearest_real(DVec2::new(0.3, 0.7)), DVec2::new(0.3, 0.7));
+    assert!(whole.nearest_real(DVec2::new(0.3, 1.0)).distance(DVec2::new(0.3, 1.0 - 1e-4)) < 1e-9);
+    assert!(whole.well_inside(DVec2::new(0.3, 1e-4), 0.01).distance(DVec2::new(0.3, 0.01)) < 1e-9);
     let mesh = mesh(&Surface::Plane(Frame::default()), vec![trimmed(patch)]);
     let mut numbers = SplitMix(45);
     let many: Vec<DVec2> =
@@ -320,6 +324,8 @@ fn nearest_real_points_of_planes_are_the_nearest() {
         let least = many.iter().map(|other| other.distance(point)).fold(f64::INFINITY, f64::min);
         assert!(distance < least + 1e-3, "{distance} {least}");
         assert!(!mesh.is_real(st) || found == st);
+        let inside = mesh.well_inside(st, 0.01);
+        assert!(mesh.is_real(inside) && inside.distance(found) < 0.02);
     }
 }
 

@@ -36,6 +36,11 @@ impl Cell {
         self.side() * (DVec2::new(f64::from(self.x), f64::from(self.y)) + local)
     }
 
+    /// From a point of the square to one in the cell, 0 to 1.
+    pub(super) fn local(self, st: DVec2) -> DVec2 {
+        st / self.side() - DVec2::new(f64::from(self.x), f64::from(self.y))
+    }
+
     /// Least and greatest corner.
     pub(super) fn corners(self) -> [DVec2; 2] {
         [self.at(DVec2::ZERO), self.at(DVec2::ONE)]

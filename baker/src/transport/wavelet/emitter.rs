@@ -2,6 +2,7 @@
 
 use super::basis::{Basis, Coefficients};
 use super::cell::Cell;
+use super::form_factor::form_factor;
 use super::patch::{PlacedPatch, SurfacePoint};
 use super::tree::UnshotTree;
 use glam::{DVec2, DVec3};
@@ -12,6 +13,9 @@ use std::sync::OnceLock;
 /// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud 1971, C₂: 3-1), of
 /// equal weights: none of them is a Gauss point of a receiver, where a patch shoots to itself.
 const POINTS: usize = 4;
+
+/// Cells of planes nearer than this many of their radii are not met by quadrature.
+const NEAR: f64 = 2.0;
 
 /// Radiosity of a shot.
 pub(super) enum Radiosity {
@@ -44,6 +48,10 @@ pub(super) struct EmitterCell {
     /// Of the radiosity.
     coefficients: Coefficients,
     points: [QuadraturePoint; POINTS],
+    /// Corners, of a cell of a plane: in order around it.
+    corners: Option<[DVec3; 4]>,
+    /// Area that a quadrature point stands for, real and virtual.
+    quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
     ball: (DVec3, f64),
     children: OnceLock<Vec<EmitterCell>>,
@@ -144,21 +152,24 @@ impl EmitterCell {
                 let direction = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][i];
                 (DVec2::splat(0.5) + offset * direction, 1.0)
             } else {
-                // The middle of a quarter, with the real part of its area (4.2).
-                let quarter = cell.child(i);
-                let corner = DVec2::new((i % 2) as f64, (i / 2) as f64);
-                (0.25 + 0.5 * corner, patch.mesh.real_share(quarter.corners()))
+                // Weights are the real parts of the areas of quarters, as in 4.2; points are not their middles, which may be
+                // behind another surface, but the centroids of those parts.
+                let (share, centroid) = patch.mesh.real_part(cell.child(i).corners());
+                (cell.local(centroid), share)
             };
-            QuadraturePoint {
-                at: patch.point_with_nearest(cell.at(local), is_plain || share <= 0.0),
-                area: share * area,
-                radiosity: basis.evaluate(&coefficients, local),
-            }
+            let is_surely_real = is_plain || share <= 0.0;
+            let st = cell.at(local);
+            let at = if is_surely_real { patch.point(st) } else { patch.point_with_nearest(st, cell.side()) };
+            QuadraturePoint { at, area: share * area, radiosity: basis.evaluate(&coefficients, local) }
         });
         let centre = points.iter().map(|point| point.at.position).sum::<DVec3>() / POINTS as f64;
         let reach = points.iter().map(|point| point.at.position.distance(centre)).fold(0.0, f64::max);
         let ball = (centre, if is_plain { 2.0 } else { 2.5 } * reach);
-        Self { cell, is_plain, node, coefficients, points, ball, children: OnceLock::new() }
+        let corner = |x: f64, y: f64| patch.point(cell.at(DVec2::new(x, y))).position;
+        let around = || [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+        let corners = patch.mesh.is_planar().then(around);
+        let children = OnceLock::new();
+        Self { cell, is_plain, node, coefficients, points, corners, quarter_area: area, ball, children }
     }
 
     /// Quadrature points with an area.
@@ -174,9 +185,34 @@ impl EmitterCell {
         power / (PI * distance * distance)
     }
 
-    /// Irradiance of a point, if nothing is in between.
+    /// Irradiance of a point, if nothing is in between: by quadrature; of a near cell of a plane by Lambert's formula.
     pub(super) fn irradiance(&self, receiver: &SurfacePoint, is_last: bool) -> DVec3 {
-        self.points().map(|point| point.irradiance(receiver, is_last)).sum()
+        let (centre, radius) = self.ball;
+        match &self.corners {
+            Some(corners) if receiver.position.distance(centre) < NEAR * radius => {
+                self.near_irradiance(corners, receiver)
+            }
+            _ => self.points().map(|point| point.irradiance(receiver, is_last)).sum(),
+        }
+    }
+
+    fn near_irradiance(&self, corners: &[DVec3; 4], receiver: &SurfacePoint) -> DVec3 {
+        let towards = (receiver.position - corners[0]).dot(self.points[0].at.normal);
+        if towards <= 0.0 {
+            return DVec3::ZERO;
+        }
+        if self.is_plain {
+            return form_factor(corners, receiver) * self.coefficients[0];
+        }
+        // The real part of a quarter is taken for a smaller quarter about its centroid.
+        let [a, b, _, d] = *corners;
+        let of_point = |point: &QuadraturePoint| {
+            let scale = 0.25 * (point.area / self.quarter_area).sqrt();
+            let [s, t] = [scale * (b - a), scale * (d - a)];
+            let corners = [-s - t, s - t, s + t, t - s].map(|corner| point.at.position + corner);
+            form_factor(&corners, receiver) * point.radiosity
+        };
+        self.points().map(of_point).sum()
     }
 }
 

@@ -28,12 +28,30 @@ impl<'a, S: Surfaces> Visibility<'a, S> {
 
     /// Transmittance between the nearest real points of two points, each a safe offset above its surface.
     fn between(&self, a: &SurfacePoint, b: &SurfacePoint) -> DVec3 {
+        self.transmittance([(a.seen_from, a.seen_normal), (b.seen_from, b.seen_normal)])
+    }
+
+    fn transmittance(&self, ends: [(DVec3, DVec3); 2]) -> DVec3 {
         self.rays.fetch_add(1, Ordering::Relaxed);
-        let lifted = |point: &SurfacePoint| {
-            let position = point.seen_from.as_vec3();
-            position + self.surfaces.epsilon_at(position) * point.seen_normal.as_vec3()
-        };
-        self.surfaces.transmittance(lifted(a), lifted(b)).as_dvec3()
+        let [from, to] = ends.map(|(position, normal)| {
+            let position = position.as_vec3();
+            position + self.surfaces.epsilon_at(position) * normal.as_vec3()
+        });
+        self.surfaces.transmittance(from, to).as_dvec3()
+    }
+
+    /// Where a virtual point receives: at the nearest real point, if another surface lies between the two, as where the
+    /// surface goes on behind a wall. There Alonso et al. 2001, 4.1, extend radiosity with a jump at the boundary, since the
+    /// point is on the other side of what shines on the real one.
+    pub(super) fn moved_before_walls(&self, point: SurfacePoint) -> SurfacePoint {
+        let SurfacePoint { position, normal, seen_from, seen_normal } = point;
+        if position != seen_from {
+            let transmittance = self.transmittance([(seen_from, seen_normal), (position, normal)]);
+            if transmittance.min_element() < 1.0 {
+                return SurfacePoint { position: seen_from, normal: seen_normal, ..point };
+            }
+        }
+        point
     }
 
     /// Irradiance of a point from an emitter, with an error of about `tolerance`.

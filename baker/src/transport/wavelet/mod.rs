@@ -10,13 +10,16 @@
 //! | `patch` | faces in the scene, nearest real points |
 //! | `tree` | irradiance in quadtrees: push, pull, residuals |
 //! | `emitter`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
+//! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
 //! | `complex_polygons` | triangles of a mesh put together to planar faces with holes |
 
 mod basis;
 mod cell;
+pub mod complex_polygons;
 mod emitter;
+mod form_factor;
 mod gather;
 mod patch;
 mod receive;
@@ -28,6 +31,7 @@ mod tests;
 mod tree;
 
 pub use basis::Order;
+pub use complex_polygons::complex_polygons;
 pub use patch::WaveletPatch;
 pub use settings::{WaveletError, WaveletSettings};
 pub use solution::{Figures, WaveletSolution};

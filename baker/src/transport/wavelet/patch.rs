@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 /// How unequal the sides of a transformed cube may be.
 const UNIFORM: f64 = 1e-6;
+/// How far inside of the boundary nearest real points are, part of a cell's side.
+const INSET: f64 = 0.125;
 
 /// One side of a face in the scene. A two-sided face is two patches with one mesh.
 #[derive(Clone, Debug)]
@@ -100,17 +102,19 @@ impl<'a> PlacedPatch<'a> {
         SurfacePoint { position, normal, seen_from: position, seen_normal: normal }
     }
 
-    /// A real or virtual point, with the nearest real one.
-    pub(super) fn point_with_nearest(&self, st: DVec2, is_surely_real: bool) -> SurfacePoint {
-        let mut point = self.point(st);
-        if !is_surely_real {
-            let nearest = self.mesh.nearest_real(st);
-            if nearest != st {
-                let real = self.point(nearest);
-                (point.seen_from, point.seen_normal) = (real.position, real.normal);
-            }
+    /// A real or virtual point of a cell of this side, with the nearest real one. A point on the boundary, where another surface
+    /// may be, is moved inward by a part of the cell.
+    pub(super) fn point_with_nearest(&self, st: DVec2, side: f64) -> SurfacePoint {
+        let point = self.point(st);
+        let nearest = self.mesh.well_inside(st, INSET * side);
+        if nearest == st {
+            return point;
         }
-        point
+        let real = self.point(nearest);
+        if self.mesh.is_real(st) || st.distance(nearest) < 1.25 * INSET * side {
+            return real;
+        }
+        SurfacePoint { seen_from: real.position, seen_normal: real.normal, ..point }
     }
 
     /// A ball around 25 points of a cell, and a quarter more.

@@ -52,7 +52,9 @@ impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
         let mut samples = [DVec3::ZERO; MOST];
         for (index, sample) in samples.iter_mut().enumerate().take(self.basis.order().functions()) {
             let st = cell.at(self.basis.point(index).0);
-            let point = self.patch.point_with_nearest(st, coverage == Coverage::Plain);
+            let is_plain = coverage == Coverage::Plain;
+            let patch = self.patch;
+            let point = if is_plain { patch.point(st) } else { patch.point_with_nearest(st, cell.side()) };
             *sample = (self.light)(&point);
         }
         samples

@@ -141,7 +141,7 @@ impl<'a> Scene<'a> {
             for i in 0..count {
                 let cell = DVec2::new((i % DIRECT_POINTS) as f64, (i / DIRECT_POINTS) as f64);
                 let st = (cell + 0.5) / DIRECT_POINTS as f64;
-                sum += direct(&patch.point_with_nearest(st, false));
+                sum += direct(&patch.point_with_nearest(st, 1.0 / DIRECT_POINTS as f64));
             }
             patch.real_area * sum / count as f64
         };
@@ -180,8 +180,10 @@ impl<'a> Scene<'a> {
             if index == shooter && patch.mesh.is_planar() {
                 return None;
             }
-            let light =
-                |point: &SurfacePoint| visibility.irradiance(&emitter, point, QUADRATURE_SHARE * tolerance);
+            let light = |point: &SurfacePoint| {
+                let point = visibility.moved_before_walls(*point);
+                visibility.irradiance(&emitter, &point, QUADRATURE_SHARE * tolerance)
+            };
             let (basis, settings) = (self.basis, self.settings);
             let receiver = Receiver { patch, basis, settings, light, tolerance };
             let (centre, radius) = patch.ball;

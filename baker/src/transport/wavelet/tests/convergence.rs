@@ -6,31 +6,35 @@ use crate::transport::wavelet::{Order, WaveletError};
 
 #[test]
 fn errors_fall_with_the_order_of_the_basis() {
-    let [radius, height] = [0.5, 1.2];
+    let lamp = [[-0.6, -0.4], [0.5, -0.4], [0.5, 0.7], [-0.6, 0.7]].map(|[x, z]| DVec3::new(x, 1.3, z));
+    let frame = Frame { origin: 1.3 * DVec3::Y, x: DVec3::X, y: DVec3::NEG_Z, z: DVec3::NEG_Y };
+    let loops = vec![rectangle(DVec2::new(-0.6, -0.7), DVec2::new(0.5, 0.4))];
     let patches = [
         flat(DVec3::ZERO, DVec3::Y, vec![rectangle(DVec2::new(-0.9, -0.7), DVec2::new(1.0, 1.1))]),
-        shining(sphere(height * DVec3::Y, radius, false)),
+        shining(patch_of(Surface::Plane(frame), false, loops)),
     ];
+    // Lambert's formula, of a point of the floor and a polygon above it.
+    let closed_form = |position: DVec3| {
+        let edge = |i: usize| {
+            let [a, b] = [lamp[i], lamp[(i + 1) % 4]].map(|corner| corner - position);
+            a.angle_between(b) * b.cross(a).normalize().y
+        };
+        (0..4).map(edge).sum::<f64>().abs() / TAU
+    };
     let error = |order: Order, level: u32| {
         let settings = WaveletSettings {
             order,
-            epsilon: 1e-5,
+            epsilon: 1e-6,
             min_level: level,
             max_level: level,
-            max_emitter_level: 6,
             ..WaveletSettings::default()
         };
         let solution = solved(&patches, &settings);
-        let points = real_points(&patches[0], 48);
-        let square: f64 = points
-            .iter()
-            .map(|&(st, share)| {
-                let to_centre = height * DVec3::Y - patches[0].mesh.point(st);
-                let exact = (radius / to_centre.length()).powi(2) * to_centre.normalize().y;
-                share * (f64::from(solution.irradiance_of_emitters(0, st).x) - exact).powi(2)
-            })
-            .sum();
-        square.sqrt()
+        let square = |(st, share): (DVec2, f64)| {
+            let exact = closed_form(patches[0].mesh.point(st));
+            share * (f64::from(solution.irradiance_of_emitters(0, st).x) - exact).powi(2)
+        };
+        real_points(&patches[0], 48).into_iter().map(square).sum::<f64>().sqrt()
     };
     let errors = [Order::M1, Order::M2, Order::M3].map(|order| [1, 2, 3].map(|level| error(order, level)));
     println!("{errors:?}");

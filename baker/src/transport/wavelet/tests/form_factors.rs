@@ -59,7 +59,7 @@ fn a_sphere_shines_on_a_polygon_with_a_hole() {
             flat(DVec3::ZERO, DVec3::Y, vec![outline.clone(), hole.clone()]),
             shining(sphere(height * DVec3::Y, radius, false)),
         ];
-        let settings = WaveletSettings { order, max_level: 6, ..exact() };
+        let settings = WaveletSettings { order, max_level: 7, ..exact() };
         let solution = solved(&patches, &settings);
         let closed_form = |st: DVec2| {
             let to_centre = height * DVec3::Y - patches[0].mesh.point(st);
@@ -69,14 +69,18 @@ fn a_sphere_shines_on_a_polygon_with_a_hole() {
         let (mut worst, mut expected) = (0.0_f64, 0.0);
         for (st, share) in real_points(&patches[0], 40) {
             let found = f64::from(solution.irradiance_of_emitters(0, st).x);
-            worst = worst.max((found - closed_form(st)).abs() / brightest);
+            if patches[0].mesh.is_real(st) {
+                worst = worst.max((found - closed_form(st)).abs() / brightest);
+            }
             expected += share * closed_form(st);
         }
         let found = mean(&solution, &patches, 0);
         println!("{order:?} polygon: {found} and {expected}, worst {worst}, {:?}", solution.figures);
         assert!((found / expected - 1.0).abs() < 0.005, "{order:?}: {found} and {expected}");
-        let tolerance = if order == Order::M1 { 0.04 } else { 0.01 };
-        assert!(worst < tolerance, "{order:?}: {worst}");
+        // Of the mean irradiance of all surfaces that the oracle has; control points do not reach the rims of cells.
+        let area = patches.iter().map(|patch| patch.mesh.real_area()).sum::<f64>();
+        let tolerance = settings.epsilon * patches[1].mesh.area() / area;
+        assert!(worst * brightest < 4.0 * tolerance, "{order:?}: {worst}");
     }
 }
 
@@ -87,7 +91,7 @@ fn a_disk_in_between_darkens_the_middle() {
         flat(DVec3::ZERO, DVec3::Y, vec![rectangle(DVec2::NEG_ONE, DVec2::new(1.1, 1.05))]),
     ];
     let settings = WaveletSettings { max_level: 6, ..exact() };
-    let blocker = Blockers { disk: Some((1.0, 0.25)) };
+    let blocker = Blockers { disk: Some((1.0, 0.25)), ..NOTHING };
     let solution = solve(&patches, &blocker, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap();
     // sin² of the half angles of the light and of what hides it, seen from the middle: 1 / (1 + 4) and 1 / (1 + 16).
     let found = solution.irradiance_of_emitters(1, patches[1].mesh.square(DVec2::ZERO)).x;

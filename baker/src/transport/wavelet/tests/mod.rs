@@ -16,12 +16,13 @@ use rebounce_cad::virtual_mesh::VirtualMesh;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
-/// Nothing is in the way, but perhaps a disk at a height, about the y axis.
+/// Nothing is in the way, but perhaps a disk at a height, about the y axis, or the walls of a box about the origin.
 struct Blockers {
     disk: Option<(f32, f32)>,
+    room: Option<Vec3>,
 }
 
-const NOTHING: Blockers = Blockers { disk: None };
+const NOTHING: Blockers = Blockers { disk: None, room: None };
 
 impl Surfaces for Blockers {
     fn cast(&self, _ray: &Ray, _seed: u32) -> Option<Hit> {
@@ -33,6 +34,9 @@ impl Surfaces for Blockers {
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
+        if self.room.is_some_and(|half| (from.abs().cmpgt(half) | to.abs().cmpgt(half)).any()) {
+            return Vec3::ZERO;
+        }
         let Some((height, radius)) = self.disk else { return Vec3::ONE };
         let t = (height - from.y) / (to.y - from.y);
         let there = from.lerp(to, t);
