@@ -14,6 +14,7 @@
 //! | [`tessellate`] | triangles of faces, for the screen |
 //! | [`model`] | parts of an assembly |
 //! | [`demo`] | generated scenes |
+//! | [`virtual_mesh`] | faces mapped to unit squares, areas in proportion |
 //! | `step` | reader of STEP files; with the feature `step` |
 //!
 //! Data flows one way: a curve knows no surface, a surface no trim, a face no model.
@@ -33,3 +34,4 @@ pub mod step;
 pub mod surface;
 pub mod tessellate;
 pub mod trim;
+pub mod virtual_mesh;

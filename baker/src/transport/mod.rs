@@ -5,6 +5,7 @@
 //!
 //! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008);
 //! * [`radiosity`] – bounced light of given lights that stay in place (Lehtinen et al. 2007);
+//! * [`wavelet`] – bounced light of given lights on exact surfaces (Alonso et al. 2001);
 //! * [`Unlinked`] – no transport: radiosity of moving things is computed when a file is shown (Schäfer et al. 2011);
 //! * [`sources`] – links from the sky and from emissive surfaces, which stay in place.
 //!
@@ -15,6 +16,7 @@ pub mod operator;
 pub mod radiosity;
 pub mod sources;
 mod unlinked;
+pub mod wavelet;
 
 pub use operator::{Operator, OperatorSettings, Refinement};
 pub use unlinked::Unlinked;

@@ -116,6 +116,51 @@ impl MonotoneEdge {
         }
     }
 
+    /// ∫ (v − low) du from a to b, between the ends, with v clamped between `low` and `high`.
+    pub fn clamped_integral(&self, [a, b]: [f64; 2], [low, high]: [f64; 2]) -> f64 {
+        let [from, to] = self.within([a, b], [low, high]);
+        let beyond = |u: f64| if self.v_at(u) > 0.5 * (low + high) { high - low } else { 0.0 };
+        let before = if from > a { (from - a) * beyond(0.5 * (a + from)) } else { 0.0 };
+        let after = if b > to { (b - to) * beyond(0.5 * (to + b)) } else { 0.0 };
+        before + self.integral(from, to, low) + after
+    }
+
+    /// Between which u from a to b the clamped v is not `low` or `high`.
+    pub fn within(&self, range: [f64; 2], [low, high]: [f64; 2]) -> [f64; 2] {
+        // v is monotonic: it enters and leaves the strip once.
+        let [a, b] = [low, high].map(|level| self.u_at(level, range));
+        [a.min(b), a.max(b)]
+    }
+
+    /// The u from a to b where v is `level`; the nearer end if it is nowhere.
+    fn u_at(&self, level: f64, [a, b]: [f64; 2]) -> f64 {
+        let ends = [self.v_at(a), self.v_at(b)];
+        let is_ascending = ends[0] <= ends[1];
+        let [is_before, is_after] = if is_ascending {
+            [level <= ends[0], level >= ends[1]]
+        } else {
+            [level >= ends[0], level <= ends[1]]
+        };
+        if is_before || is_after {
+            return if is_before { a } else { b };
+        }
+        if matches!(self.curve, EdgeCurve::Segment) {
+            return a + (b - a) * ((level - ends[0]) / (ends[1] - ends[0]));
+        }
+        let [mut below, mut above] = [a, b];
+        loop {
+            let middle = 0.5 * (below + above);
+            if middle <= below || middle >= above {
+                return middle;
+            }
+            if (self.v_at(middle) < level) == is_ascending {
+                below = middle;
+            } else {
+                above = middle;
+            }
+        }
+    }
+
     /// Whether the pieces lie on one curve: they cross nowhere.
     pub fn is_on_curve_of(&self, other: &Self) -> bool {
         match (self.curve, other.curve) {

@@ -220,6 +220,47 @@ fn contains_is_the_even_odd_rule() {
 }
 
 #[test]
+fn moments_are_those_of_parts() {
+    // An L: [0, 2] × [0, 1] and [0, 1] × [1, 3]. Then a quarter disc, centroid 4 R / 3π.
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let map = TrapezoidalMap::new(&[polygon(&corners.map(DVec2::from))]).unwrap();
+    let moments = map.moments_within([DVec2::splat(-1.0), DVec2::splat(4.0)]);
+    assert!(moments.distance(DVec2::new(2.0 + 1.0, 1.0 + 4.0)) < 1e-12, "{moments}");
+    let moments = map.moments_within([DVec2::new(0.5, 0.5), DVec2::new(1.5, 2.0)]);
+    // 1 × 0.5 about (1, 0.75) and 0.5 × 1 about (0.75, 1.5).
+    assert!(moments.distance(DVec2::new(0.5 + 0.375, 0.375 + 0.75)) < 1e-12, "{moments}");
+    let disc = TrapezoidalMap::new(&[circle(0.0, 0.0, 1.0)]).unwrap();
+    let moments = disc.moments_within([DVec2::ZERO, DVec2::splat(2.0)]);
+    assert!((3.0 * moments - 1.0).abs().max_element() < 1e-2, "{moments}");
+}
+
+#[test]
+fn areas_within_the_cells_of_a_grid_add_up() {
+    for (name, loops, _) in domains() {
+        let map = TrapezoidalMap::new(&loops).unwrap();
+        let [low, high] = map.bounds();
+        let margin = 0.1 * (high - low);
+        let [low, side] = [low - margin, (high - low + 2.0 * margin) / 7.0];
+        let mut sum = 0.0;
+        for i in 0..49 {
+            let corner = low + side * DVec2::new(f64::from(i % 7), f64::from(i / 7));
+            let patch = [corner, corner + side];
+            let area = map.area_within(patch);
+            let whole = side.x * side.y;
+            match map.coverage(patch) {
+                Coverage::Empty => assert!(area.abs() < 1e-9 * whole, "{name}: {area} of an empty cell"),
+                Coverage::Plain => assert!((area - whole).abs() < 1e-9 * whole, "{name}: {area} of {whole}"),
+                Coverage::Boundary => {
+                    assert!((-1e-9..1.0 + 1e-9).contains(&(area / whole)), "{name}: {area}")
+                }
+            }
+            sum += area;
+        }
+        assert!((sum - map.area()).abs() < 1e-9 * map.area().max(1.0), "{name}: {sum}, not {}", map.area());
+    }
+}
+
+#[test]
 fn area_is_that_of_closed_forms() {
     for (name, loops, area) in domains() {
         if let Some(expected) = area {

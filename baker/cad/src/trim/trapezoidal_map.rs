@@ -1,5 +1,7 @@
 //! Trapezoidal map: point location among trimming curves.
 
+mod area;
+
 use super::crossing::crossings;
 use super::piece::{MonotoneEdge, Vertical, cut};
 use super::{TrimEdge, TrimLoop};
@@ -156,30 +158,6 @@ impl TrapezoidalMap {
     /// Least and greatest u and v of the boundary.
     pub fn bounds(&self) -> [DVec2; 2] {
         self.bounds
-    }
-
-    /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many pieces are long.
-    pub fn area(&self) -> f64 {
-        let origin = 0.5 * (self.bounds[0].y + self.bounds[1].y);
-        let mut area = 0.0;
-        let mut next = 0;
-        let mut active: Vec<(f64, usize)> = Vec::new();
-        for slab in self.lines.windows(2) {
-            active.retain(|&(_, piece)| self.pieces[piece].u[1] > slab[0]);
-            while self.pieces.get(next).is_some_and(|piece| piece.u[0] <= slab[0]) {
-                active.push((0.0, next));
-                next += 1;
-            }
-            for (order, piece) in &mut active {
-                *order = sort_key(&self.pieces[*piece], slab[0], slab[1]);
-            }
-            active.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (i, &(_, piece)) in active.iter().enumerate() {
-                let integral = self.pieces[piece].integral(slab[0], slab[1], origin);
-                area += if i % 2 == 1 { integral } else { -integral };
-            }
-        }
-        area
     }
 
     /// Whether the domain is all of a patch between two corners, but for 10⁻⁹ of its size along the rim.

@@ -1,0 +1,127 @@
+//! Irradiance of a point from an emitter: adaptive quadrature over its cells, with visibility.
+
+use super::emitter::{Emitter, EmitterCell};
+use super::patch::SurfacePoint;
+use crate::geometry::Surfaces;
+use glam::DVec3;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Irradiance that visibility of four quadrature points decides about at once, tolerances at most: more is divided, so that
+/// there are more rays where more light comes from.
+const MOST_AT_ONCE: f64 = 16.0;
+
+/// Visibility among a scene's surfaces.
+pub(super) struct Visibility<'a, S> {
+    surfaces: &'a S,
+    rays: AtomicU64,
+}
+
+impl<'a, S: Surfaces> Visibility<'a, S> {
+    pub(super) fn new(surfaces: &'a S) -> Self {
+        Self { surfaces, rays: AtomicU64::new(0) }
+    }
+
+    /// Rays cast so far.
+    pub(super) fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+
+    /// Transmittance between the nearest real points of two points, each a safe offset above its surface.
+    fn between(&self, a: &SurfacePoint, b: &SurfacePoint) -> DVec3 {
+        self.transmittance([(a.seen_from, a.seen_normal), (b.seen_from, b.seen_normal)])
+    }
+
+    fn transmittance(&self, ends: [(DVec3, DVec3); 2]) -> DVec3 {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        let [from, to] = ends.map(|(position, normal)| {
+            let position = position.as_vec3();
+            position + self.surfaces.epsilon_at(position) * normal.as_vec3()
+        });
+        self.surfaces.transmittance(from, to).as_dvec3()
+    }
+
+    /// Where a virtual point receives: at the nearest real point, if another surface lies between the two, as where the
+    /// surface goes on behind a wall. There Alonso et al. 2001, 4.1, extend radiosity with a jump at the boundary, since the
+    /// point is on the other side of what shines on the real one.
+    pub(super) fn moved_before_walls(&self, point: SurfacePoint) -> SurfacePoint {
+        let SurfacePoint { position, normal, seen_from, seen_normal } = point;
+        if position != seen_from {
+            let transmittance = self.transmittance([(seen_from, seen_normal), (position, normal)]);
+            if transmittance.min_element() < 1.0 {
+                return SurfacePoint { position: seen_from, normal: seen_normal, ..point };
+            }
+        }
+        point
+    }
+
+    /// Irradiance of a point from an emitter, with an error of about `tolerance`.
+    ///
+    /// A cell whose quadrature differs from that of its quarters by more than the tolerance is divided, with half of the
+    /// tolerance for each quarter: errors of four add up like independent ones. So is one that is visible in part, if that part
+    /// could make such a difference.
+    pub(super) fn irradiance(&self, emitter: &Emitter, receiver: &SurfacePoint, tolerance: f64) -> DVec3 {
+        let root = emitter.root();
+        let unoccluded = root.irradiance(receiver, emitter.is_last(root));
+        self.of_cell(emitter, root, unoccluded, receiver, [tolerance, MOST_AT_ONCE * tolerance])
+    }
+
+    fn of_cell(
+        &self,
+        emitter: &Emitter,
+        cell: &EmitterCell,
+        unoccluded: DVec3,
+        receiver: &SurfacePoint,
+        [tolerance, most]: [f64; 2],
+    ) -> DVec3 {
+        if emitter.is_last(cell) || cell.bound(receiver.position) <= tolerance {
+            return self.with_visibility(cell, receiver, unoccluded, emitter.is_last(cell)).0;
+        }
+        let children = emitter.children(cell);
+        let of_child = |child: &EmitterCell| child.irradiance(receiver, emitter.is_last(child));
+        let mut fine = [DVec3::ZERO; 4];
+        for (sum, child) in fine.iter_mut().zip(children) {
+            *sum = of_child(child);
+        }
+        let sum: DVec3 = fine.iter().sum();
+        let is_small = sum.abs().max_element() <= most;
+        if is_small && (sum - unoccluded).abs().max_element() <= tolerance {
+            let (result, is_partial) = self.with_visibility(cell, receiver, sum, false);
+            if !is_partial || sum.abs().max_element() <= tolerance {
+                return result;
+            }
+        }
+        let quarters = children.iter().zip(fine);
+        quarters
+            .map(|(child, fine)| self.of_cell(emitter, child, fine, receiver, [0.5 * tolerance, most]))
+            .sum()
+    }
+
+    /// The irradiance `unoccluded` times the transmittance to the quadrature points, and whether that differs among them.
+    fn with_visibility(
+        &self,
+        cell: &EmitterCell,
+        receiver: &SurfacePoint,
+        unoccluded: DVec3,
+        is_last: bool,
+    ) -> (DVec3, bool) {
+        let [mut sum, mut seen] = [DVec3::ZERO; 2];
+        let mut first = None;
+        let mut is_partial = false;
+        for point in cell.points() {
+            let here = point.irradiance(receiver, is_last);
+            if here != DVec3::ZERO {
+                let transmittance = self.between(receiver, &point.at);
+                is_partial |= *first.get_or_insert(transmittance) != transmittance;
+                sum += here;
+                seen += transmittance * here;
+            }
+        }
+        let Some(first) = first else { return (DVec3::ZERO, unoccluded != DVec3::ZERO) };
+        if !is_partial {
+            return (first * unoccluded, false);
+        }
+        // Parts of all that is unoccluded; of a channel without light, none.
+        let part = DVec3::select(sum.cmpne(DVec3::ZERO), seen / sum, DVec3::ZERO);
+        (part.clamp(DVec3::ZERO, DVec3::ONE) * unoccluded, true)
+    }
+}

@@ -1,0 +1,115 @@
+//! Irradiance of a patch from one light, in cells as small as the refinement oracle asks for.
+
+use super::basis::{Basis, Coefficients, MOST, Samples};
+use super::cell::Cell;
+use super::patch::{PlacedPatch, SurfacePoint};
+use super::settings::WaveletSettings;
+use super::tree::Received;
+use glam::DVec3;
+use rebounce_cad::trim::Coverage;
+
+/// Down to this level quarters are computed in parallel.
+const PARALLEL_LEVELS: u32 = 3;
+
+/// A patch that light falls on.
+pub(super) struct Receiver<'a, Light> {
+    pub patch: &'a PlacedPatch<'a>,
+    pub basis: &'a Basis,
+    pub settings: &'a WaveletSettings,
+    /// Irradiance of a point.
+    pub light: Light,
+    /// Greatest error of irradiance at control points.
+    pub tolerance: f64,
+}
+
+impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
+    /// What falls on the patch; `None` if nothing does at any point looked at.
+    ///
+    /// The refinement oracle is that of Cuny et al. 2000: irradiance is computed at control points, here the Gauss points of a cell's
+    /// quarters, and compared with the polynomial through the Gauss points of the cell. Where they differ the cell is divided, and
+    /// the values at the control points are those of the quarters; where they agree the values make the cell's coefficients
+    /// better.
+    pub(super) fn receive(&self) -> Option<Received> {
+        let coverage = self.coverage(Coverage::Boundary, Cell::ROOT);
+        let samples = self.samples(Cell::ROOT, coverage);
+        self.divided(Cell::ROOT, coverage, &samples)
+    }
+
+    /// What falls on the patch, if that hardly matters: one cell, without control points.
+    pub(super) fn receive_coarsely(&self) -> Option<Received> {
+        let coverage = self.coverage(Coverage::Boundary, Cell::ROOT);
+        let samples = self.samples(Cell::ROOT, coverage);
+        let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
+        (!is_dark).then(|| Received::Cell(Box::new(self.basis.project(&samples))))
+    }
+
+    fn coverage(&self, of_parent: Coverage, cell: Cell) -> Coverage {
+        if of_parent == Coverage::Boundary { self.patch.mesh.coverage(cell.corners()) } else { of_parent }
+    }
+
+    /// Irradiance at the Gauss points of a cell.
+    fn samples(&self, cell: Cell, coverage: Coverage) -> Samples {
+        let mut samples = [DVec3::ZERO; MOST];
+        for (index, sample) in samples.iter_mut().enumerate().take(self.basis.order().functions()) {
+            let st = cell.at(self.basis.point(index).0);
+            let is_plain = coverage == Coverage::Plain;
+            let patch = self.patch;
+            let point = if is_plain { patch.point(st) } else { patch.point_with_nearest(st, cell.side()) };
+            *sample = (self.light)(&point);
+        }
+        samples
+    }
+
+    /// What falls on a cell with these values at its Gauss points; `None` for nothing.
+    fn divided(&self, cell: Cell, coverage: Coverage, samples: &Samples) -> Option<Received> {
+        let coefficients = self.basis.project(samples);
+        let is_small = self.patch.area * cell.area() < self.settings.min_cell_area;
+        if coverage == Coverage::Empty || cell.level >= self.settings.max_level || is_small {
+            let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
+            return (!is_dark).then(|| Received::Cell(Box::new(coefficients)));
+        }
+        let is_parallel = cell.level < PARALLEL_LEVELS;
+        let quarters = four(is_parallel, |quadrant| {
+            let child = cell.child(quadrant);
+            let coverage = self.coverage(coverage, child);
+            (coverage, self.samples(child, coverage))
+        });
+        let dark = |samples: &Samples| samples.iter().all(|sample| *sample == DVec3::ZERO);
+        if dark(samples) && quarters.iter().all(|(_, samples)| dark(samples)) {
+            return None;
+        }
+        let error = (0..4).map(|quadrant| self.error(&coefficients, quadrant, &quarters[quadrant].1));
+        if cell.level >= self.settings.min_level && error.fold(0.0, f64::max) <= self.tolerance {
+            let finer = [0, 1, 2, 3].map(|quadrant: usize| self.basis.project(&quarters[quadrant].1));
+            return Some(Received::Cell(Box::new(self.basis.pull(&finer))));
+        }
+        let nothing = || Received::Cell(Box::default());
+        let children = four(is_parallel, |quadrant| {
+            let (coverage, samples) = &quarters[quadrant];
+            self.divided(cell.child(quadrant), *coverage, samples).unwrap_or_else(nothing)
+        });
+        Some(Received::Divided(Box::new(children)))
+    }
+
+    /// The greatest difference between a polynomial on a cell and values at the control points in a quarter.
+    fn error(&self, coefficients: &Coefficients, quadrant: usize, samples: &Samples) -> f64 {
+        let quarter = Cell::ROOT.child(quadrant);
+        let mut error = 0.0_f64;
+        for (index, sample) in samples.iter().enumerate().take(self.basis.order().functions()) {
+            let local = quarter.at(self.basis.point(index).0);
+            let difference = self.basis.evaluate(coefficients, local) - *sample;
+            error = error.max(difference.abs().max_element());
+        }
+        error
+    }
+}
+
+/// Something of four quadrants, perhaps in parallel.
+fn four<T: Send>(is_parallel: bool, of: impl Fn(usize) -> T + Sync) -> [T; 4] {
+    if !is_parallel {
+        return [0, 1, 2, 3].map(of);
+    }
+    let ((a, b), (c, d)) =
+        rayon::join(|| rayon::join(|| of(0), || of(1)), || rayon::join(|| of(2), || of(3)));
+    [a, b, c, d]
+}

@@ -1,0 +1,114 @@
+//! Closed rooms of one albedo and emission: radiosity is e / (1 − ρ), so irradiance is too.
+
+use super::*;
+use crate::transport::wavelet::{Figures, Order};
+
+const ALBEDO: Vec3 = Vec3::new(0.5, 0.7, 0.2);
+
+/// Half of the sides of the box.
+const HALF: Vec3 = Vec3::new(1.0, 1.5, 0.8);
+
+fn furnace(patch: WaveletPatch) -> WaveletPatch {
+    WaveletPatch { albedo: ALBEDO, emission: Vec3::new(1.0, 0.5, 2.0), ..patch }
+}
+
+/// The greatest error of all irradiance at real points, relative to the closed form.
+fn worst_error(solution: &WaveletSolution, patches: &[WaveletPatch]) -> f32 {
+    let mut worst = 0.0_f32;
+    for (index, patch) in patches.iter().enumerate() {
+        let expected = patch.emission / (1.0 - patch.albedo);
+        for (st, _) in real_points(patch, 16).into_iter().filter(|(st, _)| patch.mesh.is_real(*st)) {
+            let all = solution.irradiance(index, st) + solution.irradiance_of_emitters(index, st);
+            let error = ((all - expected) / expected).abs().max_element();
+            worst = worst.max(error);
+        }
+    }
+    worst
+}
+
+/// Six walls around a box; of one, two halves, and one with a hole that another fills.
+fn room() -> Vec<WaveletPatch> {
+    let half = HALF.as_dvec3();
+    let mut patches = Vec::new();
+    for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
+        let origin = -half * normal;
+        let frame = Frame::new(origin, normal, normal.any_orthonormal_vector()).unwrap();
+        let size = DVec2::new(half.dot(frame.x.abs()), half.dot(frame.y.abs()));
+        let wall = |loops| furnace(patch_of(Surface::Plane(frame), false, loops));
+        if normal == DVec3::Y {
+            let outline = vec![rectangle(-size, size), circle(0.4)];
+            patches.extend([wall(outline), wall(vec![circle(0.4)])]);
+        } else if normal == DVec3::Z {
+            let [a, b] = [DVec2::new(-size.x, -size.y), DVec2::new(size.x, size.y)];
+            let [c, d] = [DVec2::new(size.x, -size.y), DVec2::new(-size.x, size.y)];
+            patches.extend([wall(vec![polygon(&[a, c, b])]), wall(vec![polygon(&[a, b, d])])]);
+        } else {
+            patches.push(wall(vec![rectangle(-size, size)]));
+        }
+    }
+    patches
+}
+
+#[test]
+fn a_box_is_a_furnace() {
+    for order in [Order::M1, Order::M2, Order::M3] {
+        let settings = WaveletSettings {
+            order,
+            convergence: 0.9995,
+            max_level: 4,
+            epsilon: 0.005,
+            ..WaveletSettings::default()
+        };
+        let patches = room();
+        let walls = Blockers { room: Some(HALF), ..NOTHING };
+        let solution = solve(&patches, &walls, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap();
+        let worst = worst_error(&solution, &patches);
+        let Figures { convergence, .. } = &solution.figures;
+        println!(
+            "{order:?} box: worst {worst}, {:?}",
+            Figures { convergence: vec![], ..solution.figures.clone() }
+        );
+        assert!(worst < 0.01, "{order:?}: {worst}");
+        assert!(convergence.windows(2).all(|pair| pair[0] < pair[1]), "{convergence:?}");
+        assert!(convergence.last().is_some_and(|last| *last >= 0.9995));
+    }
+}
+
+#[test]
+fn the_inside_of_a_sphere_is_constant() {
+    for order in [Order::M1, Order::M2, Order::M3] {
+        let settings =
+            WaveletSettings { order, convergence: 0.9999, epsilon: 0.005, ..WaveletSettings::default() };
+        let patches = [furnace(sphere(DVec3::new(1.0, 2.0, 3.0), 1.5, true))];
+        let solution = solved(&patches, &settings);
+        let worst = worst_error(&solution, &patches);
+        println!("{order:?} sphere: worst {worst}, {:?}", solution.figures);
+        assert!(worst < 0.005, "{order:?}: {worst}");
+        // The first shot alone: the form factor to itself is 1.
+        let once = solved(&patches, &WaveletSettings { max_shots: 1, ..settings });
+        let found = once.irradiance_of_emitters(0, DVec2::splat(0.4));
+        assert!((found / patches[0].emission - 1.0).abs().max_element() < 0.005, "{found}");
+        // From outside there is nothing to see.
+        let outward = [furnace(sphere(DVec3::ZERO, 1.5, false))];
+        let dark = solved(&outward, &settings);
+        assert_eq!(dark.irradiance_of_emitters(0, DVec2::splat(0.4)), Vec3::ZERO);
+    }
+}
+
+#[test]
+fn light_of_lamps_is_reflected_but_not_part_of_it() {
+    let lit = |patch| WaveletPatch { albedo: ALBEDO, ..patch };
+    let patches = [
+        lit(flat(DVec3::ZERO, DVec3::Y, vec![circle(1.0)])),
+        flat(DVec3::Y, DVec3::NEG_Y, vec![circle(1.0)]),
+    ];
+    let lamp = |_: Vec3, normal: Vec3| Vec3::new(2.0, 1.0, 0.5) * normal.y.max(0.0);
+    let settings = WaveletSettings { epsilon: 0.005, ..WaveletSettings::default() };
+    let solution = solve(&patches, &NOTHING, lamp, &settings, |_| Ok(())).unwrap();
+    let found = solution.irradiance(1, patches[1].mesh.square(DVec2::ZERO));
+    let expected = ALBEDO * Vec3::new(2.0, 1.0, 0.5) * 0.5;
+    assert!((found / expected - 1.0).abs().max_element() < 0.005, "{found} {expected}");
+    assert_eq!(solution.irradiance(0, patches[0].mesh.square(DVec2::ZERO)), Vec3::ZERO);
+    assert_eq!(solution.irradiance_of_emitters(1, DVec2::splat(0.5)), Vec3::ZERO);
+    assert_eq!(solution.figures.shooting_patches, 1);
+}
