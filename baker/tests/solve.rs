@@ -2,7 +2,7 @@
 
 use crate::leaks::seen_in_rooms;
 use glam::{DVec3, Vec3};
-use rebounce::bake::{BakeSettings, Preset, SolveReport, SolveSettings, bake, solve};
+use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveReport, SolveSettings, bake, solve};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
@@ -17,7 +17,7 @@ fn settings(functions: usize) -> SolveSettings {
     let mut bake = BakeSettings::new(Preset::Draft);
     bake.place.functions = functions;
     bake.operator.rays = vec![512, 256, 256, 128, 128];
-    SolveSettings { bake, radiosity: RadiositySettings::default() }
+    SolveSettings { bake, radiosity: RadiositySettings::default(), solver: FixedSolver::Radiosity }
 }
 
 fn solved(scene: &Scene) -> (BakedScene, SolveReport) {

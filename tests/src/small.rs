@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use glam::{Vec2, Vec3};
-use rebounce::bake::{BakeSettings, Preset, SolveSettings, bake, solve};
+use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveSettings, bake, solve};
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce_shared::baked::BakedScene;
@@ -119,7 +119,11 @@ pub fn lit(functions: usize) -> Result<BakedScene> {
 /// Errors of loading and of the solver.
 pub fn solved(functions: usize) -> Result<BakedScene> {
     let radiosity = RadiositySettings { rays: vec![64], ..RadiositySettings::default() };
-    Ok(solve(&all_lights()?, &SolveSettings { bake: settings(functions), radiosity })?.0)
+    Ok(solve(
+        &all_lights()?,
+        &SolveSettings { bake: settings(functions), radiosity, solver: FixedSolver::Radiosity },
+    )?
+    .0)
 }
 
 /// Returns the scene with `name` for every name.

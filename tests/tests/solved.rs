@@ -6,7 +6,7 @@ use crate::environment::open_box;
 
 use common::{difference, indirect, mean_and_stops, picture};
 use glam::Vec3;
-use rebounce::bake::{SolveSettings, solve};
+use rebounce::bake::{FixedSolver, SolveSettings, solve};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::transport::radiosity::RadiositySettings;
@@ -25,7 +25,10 @@ const SIZE: [u32; 2] = [64, 64];
 fn solved() -> BakedScene {
     let bake = settings(2400);
     let radiosity = RadiositySettings { rays: vec![256], ..RadiositySettings::default() };
-    let file = solve(&open_box(false, false), &SolveSettings { bake, radiosity }).unwrap().0;
+    let file =
+        solve(&open_box(false, false), &SolveSettings { bake, radiosity, solver: FixedSolver::Radiosity })
+            .unwrap()
+            .0;
     let kinds: Vec<LightKind> = file.meta.lights.iter().map(Light::kind).collect();
     assert_eq!(kinds, [LightKind::Environment, LightKind::Point, LightKind::Emissive]);
     assert_eq!(file.light_groups.columns(), 5);

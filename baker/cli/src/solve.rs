@@ -3,13 +3,14 @@
 use super::load::{note, warn};
 use super::picture::{read_environment, set_threads};
 use anyhow::{Context, Result};
-use clap::Args;
-use rebounce::bake::{BakeSettings, SolveReport, SolveSettings, solve};
+use clap::{Args, ValueEnum};
+use rebounce::bake::{BakeSettings, FixedSolver, SolveReport, SolveSettings, solve};
 use rebounce::io::files::Disk;
 use rebounce::io::shot;
 use rebounce::io::write::write_whole;
 use rebounce::scene::{Scene, emissive_groups};
 use rebounce::transport::radiosity::RadiositySettings;
+use rebounce::transport::wavelet::{Order, WaveletSettings};
 use rebounce_args::bake::output_of;
 use rebounce_args::layout::{LayoutArgs, PresetName};
 use rebounce_args::load::LoadArgs;
@@ -25,6 +26,7 @@ use std::path::{Path, PathBuf};
 const MOST_RAYS: i64 = 1 << 20;
 /// Headings of the help.
 const QUALITY: &str = "Quality";
+const WAVELET: &str = "Wavelet radiosity";
 const REPORTS: &str = "Reports";
 
 const AFTER_HELP: &str = "\
@@ -51,6 +53,21 @@ pub struct SolveArgs {
     viewpoint: Vec<[f64; 3]>,
     #[command(flatten)]
     load: LoadArgs,
+    /// What computes the light: radiosity gathers at the functions; wavelet shoots between faces, exact ones of a .step file
+    #[arg(long, value_enum, default_value = "radiosity")]
+    solver: SolverName,
+    /// Order of the wavelets: 1 constant, 2 linear, 3 quadratic on each cell
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    order: u8,
+    /// Share of the power that is shot before it ends
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.99, value_parser = convergence)]
+    convergence: f64,
+    /// Error of irradiance that divides a cell, as a share of what a shot gives on average
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.02, value_parser = number::over_zero)]
+    tolerance: f64,
+    /// Most times that a face is divided in four
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=10))]
+    depth: u32,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
@@ -77,6 +94,22 @@ pub struct SolveArgs {
     report: Option<PathBuf>,
     #[command(flatten)]
     layout: LayoutArgs,
+}
+
+/// A solver of fixed lights.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SolverName {
+    Radiosity,
+    Wavelet,
+}
+
+fn convergence(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "a number below 1 is needed, as in 0.99".to_owned())?;
+    if (0.0..1.0).contains(&share) {
+        Ok(share)
+    } else {
+        Err("it is from 0 to less than 1, as in 0.99".to_owned())
+    }
 }
 
 /// Runs the command.
@@ -147,6 +180,17 @@ impl SolveArgs {
         radiosity.epsilon_e = self.epsilon.unwrap_or(radiosity.epsilon_e);
         radiosity.epsilon_omega = self.sender_angle.unwrap_or(radiosity.epsilon_omega);
         radiosity.significance = self.significance.unwrap_or(radiosity.significance);
-        SolveSettings { bake, radiosity }
+        let order = [Order::M1, Order::M2, Order::M3][usize::from(self.order - 1)];
+        let solver = match self.solver {
+            SolverName::Radiosity => FixedSolver::Radiosity,
+            SolverName::Wavelet => FixedSolver::Wavelet(WaveletSettings {
+                order,
+                convergence: self.convergence,
+                epsilon: self.tolerance,
+                max_level: self.depth,
+                ..WaveletSettings::default()
+            }),
+        };
+        SolveSettings { bake, radiosity, solver }
     }
 }

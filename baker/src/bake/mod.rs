@@ -33,8 +33,8 @@ pub use baker::Baker;
 pub use observer::{Observer, Preview, Progress};
 pub use preset::{BakeSettings, BakeSolver, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
-pub use solve::{SolveSettings, solve};
-pub use solve_report::SolveReport;
+pub use solve::{FixedSolver, SolveSettings, solve};
+pub use solve_report::{SolveReport, WaveletReport};
 
 use crate::geometry::SceneSurfaces;
 use crate::geometry::Surfaces;
@@ -43,6 +43,8 @@ use crate::job::watch::Stopped;
 use crate::sampling::emitter::{ParticleEmitter, View};
 use crate::sampling::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
+#[cfg(feature = "exact-faces")]
+use crate::transport::wavelet::{WaveletError, WaveletRadiosityError};
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
@@ -80,9 +82,26 @@ pub enum BakeError {
     /// More clip planes than a file can hold.
     #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
     TooManyCuts,
+    /// Wavelet radiosity cannot take the scene.
+    #[cfg(feature = "exact-faces")]
+    #[error(transparent)]
+    Wavelet(WaveletError),
     /// The result does not fit the file format.
     #[error(transparent)]
     Format(#[from] RbnError),
+}
+
+#[cfg(feature = "exact-faces")]
+impl From<WaveletRadiosityError> for BakeError {
+    fn from(error: WaveletRadiosityError) -> Self {
+        match error {
+            WaveletRadiosityError::Stopped(_) | WaveletRadiosityError::Wavelet(WaveletError::Stopped(_)) => {
+                Self::Stopped
+            }
+            WaveletRadiosityError::Wavelet(error) => Self::Wavelet(error),
+            WaveletRadiosityError::Job(error) => error.into(),
+        }
+    }
 }
 
 impl From<Stopped> for BakeError {

@@ -2,7 +2,7 @@
 
 use super::assemble::assemble;
 use super::baker::Built;
-use super::solve_report::SolveReport;
+use super::solve_report::{SolveReport, WaveletReport};
 use super::stages::Recipe;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Baker, Stage};
@@ -14,6 +14,8 @@ use crate::sampling::openness;
 use crate::scene::{Scene, emissive_groups};
 use crate::transport::radiosity::{FixedSolution, GroupSource, ProgressiveRadiosity, RadiositySettings};
 use crate::transport::sources::SourceLinks;
+#[cfg(feature = "exact-faces")]
+use crate::transport::wavelet::{ScenePatches, WaveletRadiosity, WaveletSettings};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
@@ -24,13 +26,26 @@ use rebounce_shared::lighting::Lighting;
 use rebounce_shared::rbn::light_groups::{LightGroup, LightGroups};
 use rebounce_shared::rbn::sources::Sources;
 
+/// Which solver makes a fixed solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FixedSolver {
+    /// Hierarchical progressive radiosity at the points (Lehtinen et al. 2007).
+    #[default]
+    Radiosity,
+    /// Wavelet radiosity on virtual meshes (Alonso et al. 2001), evaluated at the points.
+    #[cfg(feature = "exact-faces")]
+    Wavelet(WaveletSettings),
+}
+
 /// Settings of a fixed solution.
 #[derive(Clone, Debug)]
 pub struct SolveSettings {
     /// Where points are, and what else a bake shares: bounces, levels of later bounces, seed.
     pub bake: BakeSettings,
-    /// Rays and thresholds.
+    /// Rays and thresholds of radiosity.
     pub radiosity: RadiositySettings,
+    /// The solver.
+    pub solver: FixedSolver,
 }
 
 /// Solves for the lights of a scene. The same scene and settings give the same result at any thread count.
@@ -69,13 +84,7 @@ impl<S: Surfaces> Recipe<'_, S> {
             relations: &relations,
             settings: &bake.operator,
         };
-        let solver = ProgressiveRadiosity {
-            groups: self.group_sources(),
-            settings: settings.radiosity.clone(),
-            sources: bake.sources.clone(),
-            emissive_groups: emissive_groups(self.scene),
-        };
-        let solution = solver.solve(&problem, &self.job, &mut |_, _| Ok(())).await?;
+        let (solution, wavelet) = self.solution(settings, &problem, &bake).await?;
         let task = tracker.task(Stage::Assemble, None);
         let operator = Operator {
             bounces: solution.bounces,
@@ -88,7 +97,36 @@ impl<S: Surfaces> Recipe<'_, S> {
         drop(task);
         let mut report = SolveReport::new(report, &settings.radiosity, &solution);
         report.describe(&points, self.staged.lights.len(), tracker.seconds());
+        report.wavelet = wavelet;
         Ok((file, report))
+    }
+
+    /// Runs the solver.
+    async fn solution(
+        &self,
+        settings: &SolveSettings,
+        problem: &Problem<'_, S>,
+        bake: &BakeSettings,
+    ) -> Result<(FixedSolution, Option<WaveletReport>), BakeError> {
+        let (groups, sources) = (self.group_sources(), bake.sources.clone());
+        let emissive_groups = emissive_groups(self.scene);
+        match settings.solver {
+            FixedSolver::Radiosity => {
+                let settings = settings.radiosity.clone();
+                let solver = ProgressiveRadiosity { groups, settings, sources, emissive_groups };
+                Ok((solver.solve(problem, &self.job, &mut |_, _| Ok(())).await?, None))
+            }
+            #[cfg(feature = "exact-faces")]
+            FixedSolver::Wavelet(settings) => {
+                let patches =
+                    ScenePatches::new(self.scene, self.surfaces.epsilon()).ok_or(BakeError::Empty)?;
+                let solver =
+                    WaveletRadiosity { groups, patches: &patches, settings, sources, emissive_groups };
+                let (solution, solved) = solver.solve(problem, &self.job).await?;
+                let report = WaveletReport::new(&patches, &settings, &solved.figures());
+                Ok((solution, Some(report)))
+            }
+        }
     }
 
     /// The lights of the file at unit strength.

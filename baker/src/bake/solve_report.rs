@@ -45,6 +45,8 @@ pub struct SolveReport {
     pub function_seconds: f64,
     /// Seconds of casting visibility rays in gathers, of all threads together.
     pub ray_seconds: f64,
+    /// Figures of wavelet radiosity; `None` of other solvers.
+    pub wavelet: Option<WaveletReport>,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(String, f64)>,
     /// Peak memory of the process, bytes; 0 if unknown to the system.
@@ -53,6 +55,56 @@ pub struct SolveReport {
     pub sections: Vec<SectionReport>,
     /// The file's length, bytes.
     pub file_bytes: u64,
+}
+
+/// Figures of wavelet radiosity: columns of the tables of Alonso et al. 2001.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct WaveletReport {
+    /// M1, M2 or M3.
+    pub order: String,
+    /// Input primitives: faces of all instances.
+    pub faces: u64,
+    /// Faces that cannot be mapped: they neither shoot nor receive.
+    pub unmapped_faces: u64,
+    /// Patches: a two-sided face has two.
+    pub patches: u64,
+    /// Final meshes: leaves of the quadtrees, of all lights together.
+    pub leaf_cells: u64,
+    /// RGB coefficients.
+    pub coefficients: u64,
+    /// Bytes of the quadtrees.
+    pub bytes: u64,
+    /// Patches that have shot.
+    pub shooting_patches: u64,
+    /// Shots of all lights together.
+    pub shots: u64,
+    /// Visibility rays between patches.
+    pub rays: u64,
+    /// Share of the power that was shot, of the last light.
+    pub convergence: f64,
+}
+
+#[cfg(feature = "exact-faces")]
+impl WaveletReport {
+    pub(super) fn new(
+        patches: &crate::transport::wavelet::ScenePatches,
+        settings: &crate::transport::wavelet::WaveletSettings,
+        figures: &crate::transport::wavelet::Figures,
+    ) -> Self {
+        Self {
+            order: format!("{:?}", settings.order),
+            faces: patches.faces() as u64,
+            unmapped_faces: patches.unmapped as u64,
+            patches: patches.count() as u64,
+            leaf_cells: figures.leaf_cells as u64,
+            coefficients: figures.coefficients as u64,
+            bytes: figures.bytes as u64,
+            shooting_patches: figures.shooting_patches as u64,
+            shots: figures.shots as u64,
+            rays: figures.rays,
+            convergence: figures.convergence.last().copied().unwrap_or(1.0),
+        }
+    }
 }
 
 impl SolveReport {
@@ -116,7 +168,33 @@ impl fmt::Display for SolveReport {
         let (levels, gathered) = (levels(0), levels(1));
         writeln!(f, "samples       {} on {} levels ({levels})", self.samples_generated, self.levels)?;
         writeln!(f, "gathered to   {} ({gathered})", self.samples_gathered)?;
-        writeln!(f, "thresholds    epsilon_E {}, epsilon_omega {} sr", self.epsilon_e, self.epsilon_omega)?;
+        if let Some(of) = &self.wavelet {
+            let unmapped = match of.unmapped_faces {
+                0 => String::new(),
+                count => format!(", {count} of them without a map: they are dark"),
+            };
+            writeln!(f, "wavelets      {}: {} faces{unmapped}, {} patches", of.order, of.faces, of.patches)?;
+            writeln!(
+                f,
+                "meshes        {} leaves, {} coefficients, {}",
+                of.leaf_cells,
+                of.coefficients,
+                mb(of.bytes)
+            )?;
+            writeln!(
+                f,
+                "shots         {} by {} patches, {:.1}% of the power",
+                of.shots,
+                of.shooting_patches,
+                100.0 * of.convergence
+            )?;
+        } else {
+            writeln!(
+                f,
+                "thresholds    epsilon_E {}, epsilon_omega {} sr",
+                self.epsilon_e, self.epsilon_omega
+            )?;
+        }
         writeln!(f, "rays          {:.1} M", self.visibility_rays as f64 / 1e6)?;
         if self.source_rays > 0 {
             let rays = self.source_rays as f64 / 1e6;

@@ -16,6 +16,7 @@ pub mod operator;
 pub mod radiosity;
 pub mod sources;
 mod unlinked;
+#[cfg(feature = "exact-faces")]
 pub mod wavelet;
 
 pub use operator::{Operator, OperatorSettings, Refinement};

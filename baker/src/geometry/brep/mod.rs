@@ -39,6 +39,19 @@ struct PlacedPiece {
     piece: u32,
 }
 
+/// A place on a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrepLocation {
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the face.
+    pub face: u32,
+    /// Parameters of its surface.
+    pub at: DVec2,
+    /// Whether it is on the face's back.
+    pub is_back: bool,
+}
+
 /// Nearest hit of a ray so far.
 #[derive(Clone, Copy)]
 struct BrepHit {
@@ -95,6 +108,16 @@ impl BrepSurfaces {
         let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
         let visit = AnyFace { query: Query::new(self, &ray, None), is_found: false };
         self.bvh.walk(origin, direction, limit, visit)
+    }
+
+    /// Returns the nearest face from `origin` in a unit direction, at distances up to `limit`.
+    pub fn locate(&self, origin: Vec3, direction: Vec3, limit: f32) -> Option<BrepLocation> {
+        let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
+        let visit = NearestFace { query: Query::new(self, &ray, None), best: None };
+        let BrepHit { at, instance, face, .. } = self.bvh.walk(origin, direction, limit, visit)?;
+        let matrix = self.instances[instance as usize].local_from_part.matrix3;
+        let front = matrix * self.brep.faces[face as usize].cast.normal(at);
+        Some(BrepLocation { instance, face, at, is_back: front.dot(direction.as_dvec3()) > 0.0 })
     }
 
     fn shade(&self, materials: &[Surface], ray: &Ray, best: BrepHit) -> Hit {

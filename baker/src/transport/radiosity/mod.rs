@@ -10,6 +10,7 @@
 //! * [`gather`] – irradiance of receivers by the rays of their hemispheres (procedure GATHER);
 //! * [`receiver_oracle`] – which receivers are refined (ε_E);
 //! * [`bounces`] – light that bounces between coarse points; [`ancestors`] – coarse points that a finer one follows from;
+//! * [`source_links`] – light from the sky and from emissive surfaces;
 //! * [`solver`] – levels and bounces in order; [`solution`] – what it finds.
 
 pub mod ancestors;
@@ -21,8 +22,10 @@ pub mod sender_level;
 pub mod settings;
 pub mod solution;
 pub mod solver;
+pub mod source_links;
 
-pub use direct::GroupSource;
+pub use direct::{GroupField, GroupSource, direct_irradiance};
 pub use settings::RadiositySettings;
 pub use solution::{FixedSolution, GatherCount};
 pub use solver::ProgressiveRadiosity;
+pub use source_links::source_links;

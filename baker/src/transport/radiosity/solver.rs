@@ -12,6 +12,7 @@ use super::receiver_oracle::ReceiverOracle;
 use super::sender_level::SenderLevels;
 use super::settings::RadiositySettings;
 use super::solution::{FixedSolution, GatherCount};
+use super::source_links::source_links;
 use crate::geometry::Surfaces;
 use crate::job::Job;
 use crate::job::communicator::CommunicatorError;
@@ -19,7 +20,7 @@ use crate::job::stage::Stage;
 use crate::job::watch::{Stopped, Watch};
 use crate::transport::direct_to_indirect::accumulator::SparseAccumulator;
 use crate::transport::direct_to_indirect::directions::Directions;
-use crate::transport::sources::{SourceGather, SourceLinks, SourceSettings};
+use crate::transport::sources::SourceSettings;
 use crate::transport::{Partial, Problem, Solver};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -48,7 +49,7 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
         partial: &mut Partial<'_, FixedSolution>,
     ) -> Result<FixedSolution, CommunicatorError> {
         let &Problem { surfaces, points, relations, settings } = problem;
-        let links = self.links(problem, job).await?;
+        let links = source_links(&self.groups, &self.sources, &self.emissive_groups, problem, job).await?;
         let watch = job.reporter.begin(Stage::DirectLight, None);
         let direct = direct_irradiance(surfaces, points, relations, &self.groups, &links, &*watch)?;
         let senders = SenderLevels::new(points, self.settings.epsilon_omega);
@@ -126,23 +127,6 @@ impl ProgressiveRadiosity {
         let noise = self.settings.significance.powi(2) * variance;
         let share = if square > noise { 1.0 - noise / square } else { 0.0 };
         predicted + share * coefficient
-    }
-
-    /// Links from the sky and from emissive surfaces, if a group has light from them.
-    async fn links<S: Surfaces + ?Sized>(
-        &self,
-        problem: &Problem<'_, S>,
-        job: &Job<'_>,
-    ) -> Result<SourceLinks, CommunicatorError> {
-        if !self.groups.iter().any(|group| group.has_links) {
-            return Ok(SourceLinks::default());
-        }
-        let watch = job.reporter.begin(Stage::Sources, None);
-        let sky = self.groups.iter().any(|group| group.lighting.sky.is_some());
-        let settings = SourceSettings { sky: sky && self.sources.sky, ..self.sources.clone() };
-        let Problem { surfaces, points, relations, .. } = *problem;
-        let groups = self.emissive_groups.clone();
-        SourceGather::new(surfaces, points, relations, &settings, groups).links(job, &*watch).await
     }
 }
 

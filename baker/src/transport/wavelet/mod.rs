@@ -13,16 +13,19 @@
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
+//! | `scene_patches`, `fixed` | the patches of a scene; its solution at the points of a file |
 //! | `complex_polygons` | triangles of a mesh put together to planar faces with holes |
 
 mod basis;
 mod cell;
 pub mod complex_polygons;
 mod emitter;
+mod fixed;
 mod form_factor;
 mod gather;
 mod patch;
 mod receive;
+mod scene_patches;
 mod settings;
 mod solution;
 mod solver;
@@ -32,7 +35,9 @@ mod tree;
 
 pub use basis::Order;
 pub use complex_polygons::complex_polygons;
+pub use fixed::{WaveletGroups, WaveletRadiosity, WaveletRadiosityError};
 pub use patch::WaveletPatch;
+pub use scene_patches::{PatchCoordinates, ScenePatches};
 pub use settings::{WaveletError, WaveletSettings};
 pub use solution::{Figures, WaveletSolution};
 pub use solver::solve;
