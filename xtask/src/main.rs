@@ -1,9 +1,10 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-radiosity`, `bench-scale`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-scale`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
 //! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
 mod bench_bake;
+mod bench_cad;
 mod bench_kernels;
 mod bench_radiosity;
 mod bench_scale;
@@ -71,6 +72,9 @@ cargo xtask bench-kernels
                      counts the instructions of a bake's kernels; installs valgrind
 cargo xtask bench-radiosity [--functions N] [SCENE ...]
                      solves scenes in several ways on CPU and GPU, and bakes a vase with and without a group of its own
+cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
+                     exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
+                     errors against the path tracer; writes docs/reports/cad.md
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
@@ -118,6 +122,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-kernels") => bench_kernels::run(&args[1..]),
+        Some("bench-cad") => bench_cad::run(&args[1..]),
         Some("bench-radiosity") => bench_radiosity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),

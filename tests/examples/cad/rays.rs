@@ -84,7 +84,11 @@ fn compared(exact: &SceneSurfaces, triangles: &TriangleSurfaces, ray: &Ray, chor
         };
         near(&of_exact, &a) && near(&of_triangles, &b)
     });
-    if goes_on { found.lost = 1 } else { found.touching = 1 }
+    if goes_on {
+        found.lost = 1
+    } else {
+        found.touching = 1
+    }
     found
 }
 

@@ -1,0 +1,51 @@
+//! Figures of exact surfaces as tables of Markdown, for `cargo xtask bench-cad`:
+//!
+//! `cad [--rays N] [--quick] [FILE.step ...]`
+//!
+//! Rays against exact faces and against tessellations; wavelet radiosity on exact faces and on triangles, in the columns of
+//! Alonso et al. 2001, with errors against a path tracer.
+
+mod rays;
+mod wavelets;
+
+use anyhow::{Context, Result};
+use rebounce::scene::Scene;
+
+/// Generated scenes.
+const SCENES: [&str; 4] = ["teapot", "tori", "chess", "opera"];
+/// Rays of all scenes together.
+const RAYS: u64 = 10_000_000;
+/// Chord error of the tessellations, a share of the scene's diagonal.
+const CHORD: f32 = 1e-4;
+
+fn main() -> Result<()> {
+    let (mut files, mut rays, mut is_quick) = (Vec::new(), RAYS, false);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--rays" => rays = arguments.next().context("--rays needs a number")?.parse()?,
+            "--quick" => is_quick = true,
+            _ => files.push(argument),
+        }
+    }
+    let builtin = SCENES.iter().map(|name| format!("builtin:{name}"));
+    let load = |spec: String| {
+        let scene = rebounce::io::load(&spec)?;
+        let name = spec.rsplit(['/', ':']).next().unwrap_or(&spec).to_owned();
+        Ok((name, scene))
+    };
+    let scenes: Vec<(String, Scene)> = builtin.chain(files).map(load).collect::<Result<_>>()?;
+    println!("## Lost hits\n");
+    println!(
+        "Random rays through each scene, against exact faces and against their tessellation (chord error\n\
+         a {:.0}th of the diagonal). *Lost*: one of the two misses what it meets on all sides of the ray.\n\
+         *At rims*: they differ where either ends or turns away from the ray.\n",
+        1.0 / CHORD
+    );
+    rays::lost_hits(&scenes, rays / scenes.len() as u64, CHORD)?;
+    println!("\n## Rays a second\n");
+    println!("One thread, rays that leave surfaces, against the triangles that look alike.\n");
+    rays::speed(&scenes)?;
+    println!("\n## Wavelet radiosity\n");
+    wavelets::tables(&["teapot", "tori"], is_quick)
+}

@@ -1,0 +1,160 @@
+//! Wavelet radiosity on exact faces and on triangles, in the columns of Alonso et al. 2001, tables 1 to 3.
+
+use anyhow::{Context, Result, ensure};
+use glam::{DVec2, Vec3};
+use rayon::prelude::*;
+use rebounce::geometry::{Ray, SceneSurfaces, Surfaces};
+use rebounce::io::picture::{Only, Picture};
+use rebounce::light::direct::at_point;
+use rebounce::light::illumination::Illumination;
+use rebounce::scene::Scene;
+use rebounce::scene::assembly::AssemblySettings;
+use rebounce::transport::wavelet::{Order, ScenePatches, WaveletSettings, WaveletSolution, solve};
+use rebounce::verify::compare::compare;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::path_trace::{Settings, path_trace};
+use rebounce_shared::light::LightSource;
+use std::time::Instant;
+
+/// Pictures, and paths a pixel of each of the two references.
+const SIZE: [u32; 2] = [160, 100];
+const PATHS: u32 = 1024;
+const QUICK_PATHS: u32 = 64;
+/// Triangles of the tessellations.
+const TRIANGLES: [usize; 3] = [1_000, 10_000, 100_000];
+/// Halvings of the search for a chord error.
+const SEARCH: usize = 14;
+
+/// The path tracer's pictures of bounced light, and the view.
+struct Truth {
+    pictures: [Picture; 2],
+    exact: SceneSurfaces,
+    lights: Vec<LightSource>,
+}
+
+/// Prints a table for each scene.
+pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
+    println!(
+        "At 99% convergence. *Error*: bounced light at the pixels of the scene's camera against the path\n\
+         tracer's on exact faces: relative RMS without the path tracer's noise, and bias.\n"
+    );
+    for name in names {
+        println!("### {name}\n");
+        println!(
+            "| surfaces | basis | input primitives | final meshes | coefficients | time, s | memory, MB | shooting surfaces | shots | rays, M | error | bias |"
+        );
+        println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+        let exact = rebounce::io::load(&format!("builtin:{name}"))?;
+        let truth = Truth::new(&exact, if is_quick { QUICK_PATHS } else { PATHS });
+        for order in [Order::M1, Order::M2, Order::M3] {
+            truth.row("exact", &exact, order)?;
+        }
+        let counts = if is_quick { &TRIANGLES[..1] } else { &TRIANGLES };
+        for count in counts {
+            let triangles = tessellated(name, *count)?;
+            for order in [Order::M1, Order::M2, Order::M3] {
+                truth.row(&format!("{} triangles", triangles.triangles.len()), &triangles, order)?;
+            }
+        }
+        println!();
+    }
+    Ok(())
+}
+
+/// A scene of about as many triangles, without exact faces.
+fn tessellated(name: &str, count: usize) -> Result<Scene> {
+    let assembly = rebounce_cad::demo::assembly(name).context("no such scene")?;
+    let exact = rebounce::io::load(&format!("builtin:{name}"))?;
+    let (mut fine, mut coarse) = (1e-3f64, 1e5f64);
+    let mut best: Option<Scene> = None;
+    for _ in 0..SEARCH {
+        let coarseness = (fine * coarse).sqrt();
+        let settings = AssemblySettings { coarseness, ..AssemblySettings::default() };
+        let scene = Scene::of_assembly(name, name.to_owned(), &assembly, &settings)?;
+        let found = scene.triangles.len();
+        if found > count {
+            fine = coarseness
+        } else {
+            coarse = coarseness
+        }
+        let is_nearer =
+            best.as_ref().is_none_or(|best| found.abs_diff(count) < best.triangles.len().abs_diff(count));
+        if is_nearer {
+            best = Some(scene);
+        }
+    }
+    let mut scene = best.context("no tessellation")?;
+    scene.brep = None;
+    scene.cameras = exact.cameras;
+    scene.lights = exact.lights;
+    Ok(scene)
+}
+
+impl Truth {
+    fn new(scene: &Scene, paths: u32) -> Self {
+        let exact = SceneSurfaces::from_scene(scene);
+        let illumination = Illumination::of(&exact, &scene.lights, scene.origin, 1.0);
+        let settings = Settings { only: Only::Indirect, bounces: None };
+        let traced = |seed| {
+            let exposure = Exposure { size: SIZE, samples: paths, seed };
+            path_trace(&exact, scene.origin, &scene.cameras[0], &illumination, exposure, settings, || ())
+        };
+        let pictures = [1, 2].map(traced);
+        let lights = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
+        Self { pictures, exact, lights }
+    }
+
+    /// Solves and prints a row.
+    fn row(&self, surfaces_name: &str, scene: &Scene, order: Order) -> Result<()> {
+        let began = Instant::now();
+        let surfaces = SceneSurfaces::simplified(scene);
+        let patches = ScenePatches::new(scene, surfaces.epsilon()).context("no faces")?;
+        let all = patches.with_emission(&[], &[]);
+        let direct = |position: Vec3, normal: Vec3| at_point(&surfaces, &self.lights, position, normal);
+        let settings = WaveletSettings { order, ..settings() };
+        let solution = solve(&all, &surfaces, direct, &settings, |_| Ok(()))?;
+        let seconds = began.elapsed().as_secs_f64();
+        let picture = self.picture(scene, &patches, &solution);
+        let found = compare(&picture, &self.pictures[0], Some(&self.pictures[1]))?;
+        let error = found.error.value.or(found.error.at_most).context("the references are too noisy")?;
+        let figures = &solution.figures;
+        ensure!(figures.shots > 0, "nothing was shot");
+        println!(
+            "| {surfaces_name} | {order:?} | {} | {} | {} | {seconds:.1} | {:.1} | {} | {} | {:.2} | {error:.3} | {:+.3} |",
+            patches.faces(),
+            figures.leaf_cells,
+            figures.coefficients,
+            figures.bytes as f64 * 1e-6,
+            figures.shooting_patches,
+            figures.shots,
+            figures.rays as f64 * 1e-6,
+            found.bias,
+        );
+        Ok(())
+    }
+
+    /// Bounced light of a solution at the pixels: what the camera sees is the exact surface, in all rows alike.
+    fn picture(&self, scene: &Scene, patches: &ScenePatches, solution: &WaveletSolution) -> Picture {
+        let frame = scene.cameras[0].frame(scene.origin);
+        let [width, height] = SIZE;
+        let epsilon = self.exact.epsilon();
+        // Samples on a grid of 4 by 4 in each pixel.
+        let sample = |pixel: u32, i: u32| {
+            let [x, y] = [pixel % width, pixel / width].map(|at| at as f32);
+            let (dx, dy) = (0.125 + 0.25 * (i % 4) as f32, 0.125 + 0.25 * (i / 4) as f32);
+            let ray = Ray::visibility(frame.eye, frame.direction(x + dx, y + dy, width, height));
+            let Some(hit) = self.exact.see(&ray, i) else { return Vec3::ZERO };
+            let place = patches.locate(hit.position, hit.normal, epsilon);
+            let light = place
+                .map_or(Vec3::ZERO, |at| solution.irradiance(at.patch, at.st.clamp(DVec2::ZERO, DVec2::ONE)));
+            hit.albedo * light.max(Vec3::ZERO) / std::f32::consts::PI
+        };
+        let pixel = |pixel: u32| (0..16).map(|i| sample(pixel, i)).sum::<Vec3>() / 16.0;
+        Picture { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
+    }
+}
+
+/// Accuracy of the command's defaults.
+fn settings() -> WaveletSettings {
+    WaveletSettings { epsilon: 0.15, max_level: 4, convergence: 0.99, ..WaveletSettings::default() }
+}
