@@ -10,8 +10,9 @@ use rebounce_cad::trim::Coverage;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud 1971, C₂: 3-1), of
-/// equal weights: none of them is a Gauss point of a receiver, where a patch shoots to itself.
+/// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud
+/// 1971, C₂: 3-1), of equal weights: none of them is a Gauss point of a receiver, where a patch shoots to
+/// itself.
 const POINTS: usize = 4;
 
 /// Cells of planes nearer than this many of their radii are not met by quadrature.
@@ -39,7 +40,8 @@ pub(super) struct Emitter<'a> {
     root: EmitterCell,
 }
 
-/// A cell of an emitter. Its quarters are made when the first receiver needs them; they do not depend on which that is.
+/// A cell of an emitter. Its quarters are made when the first receiver needs them; they do not depend on
+/// which that is.
 pub(super) struct EmitterCell {
     cell: Cell,
     is_plain: bool,
@@ -70,7 +72,8 @@ pub(super) struct QuadraturePoint {
 impl QuadraturePoint {
     /// Irradiance of a point, if nothing is in between: B cos θ cos θ′ A / (π r²).
     ///
-    /// `is_last`: the cell is not divided further; the area is taken for a disk, A / (π r² + A), which is at most 1.
+    /// `is_last`: the cell is not divided further; the area is taken for a disk, A / (π r² + A), which is at
+    /// most 1.
     pub(super) fn irradiance(&self, receiver: &SurfacePoint, is_last: bool) -> DVec3 {
         let between = self.at.position - receiver.position;
         let square = between.length_squared();
@@ -152,8 +155,8 @@ impl EmitterCell {
                 let direction = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][i];
                 (DVec2::splat(0.5) + offset * direction, 1.0)
             } else {
-                // Weights are the real parts of the areas of quarters, as in 4.2; points are not their middles, which may be
-                // behind another surface, but the centroids of those parts.
+                // Weights are the real parts of the areas of quarters, as in 4.2; points are not their
+                // middles, which may be behind another surface, but the centroids of those parts.
                 let (share, centroid) = patch.mesh.real_part(cell.child(i).corners());
                 (cell.local(centroid), share)
             };
@@ -177,7 +180,8 @@ impl EmitterCell {
         self.points.iter().filter(|point| point.area > 0.0)
     }
 
-    /// The most irradiance it can give to any point at this distance from its centre: of what is nearest, facing it.
+    /// The most irradiance it can give to any point at this distance from its centre: of what is nearest,
+    /// facing it.
     pub(super) fn bound(&self, position: DVec3) -> f64 {
         let (centre, radius) = self.ball;
         let distance = (position.distance(centre) - radius).max(0.0);
@@ -185,7 +189,8 @@ impl EmitterCell {
         power / (PI * distance * distance)
     }
 
-    /// Irradiance of a point, if nothing is in between: by quadrature; of a near cell of a plane by Lambert's formula.
+    /// Irradiance of a point, if nothing is in between: by quadrature; of a near cell of a plane by Lambert's
+    /// formula.
     pub(super) fn irradiance(&self, receiver: &SurfacePoint, is_last: bool) -> DVec3 {
         let (centre, radius) = self.ball;
         match &self.corners {

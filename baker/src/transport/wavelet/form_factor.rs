@@ -4,9 +4,9 @@ use super::patch::SurfacePoint;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Irradiance of a point from a planar, convex quadrilateral of radiosity 1, of either direction around: Lambert's formula
-/// (1760), Σ Γᵢ · n / 2π with Γᵢ the angle that edge i subtends times the unit normal of its plane through the point. What lies
-/// below the receiver's horizon is cut off.
+/// Irradiance of a point from a planar, convex quadrilateral of radiosity 1, of either direction around:
+/// Lambert's formula (1760), Σ Γᵢ · n / 2π with Γᵢ the angle that edge i subtends times the unit normal of
+/// its plane through the point. What lies below the receiver's horizon is cut off.
 pub(super) fn form_factor(corners: &[DVec3; 4], receiver: &SurfacePoint) -> f64 {
     let corners = corners.map(|corner| corner - receiver.position);
     let heights = corners.map(|corner| corner.dot(receiver.normal));

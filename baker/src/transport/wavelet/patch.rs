@@ -16,7 +16,8 @@ const INSET: f64 = 0.125;
 pub struct WaveletPatch {
     /// The face on the unit square.
     pub mesh: Arc<VirtualMesh>,
-    /// From the face's space to local space. Lengths along all directions grow alike, unless the surface is a plane.
+    /// From the face's space to local space. Lengths along all directions grow alike, unless the surface is a
+    /// plane.
     pub world_from_part: DAffine3,
     /// Whether the patch is the side that the face's normal points away from.
     pub is_back: bool,
@@ -102,8 +103,8 @@ impl<'a> PlacedPatch<'a> {
         SurfacePoint { position, normal, seen_from: position, seen_normal: normal }
     }
 
-    /// A real or virtual point of a cell of this side, with the nearest real one. A point on the boundary, where another surface
-    /// may be, is moved inward by a part of the cell.
+    /// A real or virtual point of a cell of this side, with the nearest real one. A point on the boundary,
+    /// where another surface may be, is moved inward by a part of the cell.
     pub(super) fn point_with_nearest(&self, st: DVec2, side: f64) -> SurfacePoint {
         let point = self.point(st);
         let nearest = self.mesh.well_inside(st, INSET * side);

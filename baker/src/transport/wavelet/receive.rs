@@ -3,7 +3,7 @@
 use super::basis::{Basis, Coefficients, MOST, Samples};
 use super::cell::Cell;
 use super::patch::{PlacedPatch, SurfacePoint};
-use super::settings::WaveletSettings;
+use super::settings::{Tolerance, WaveletSettings};
 use super::tree::Received;
 use glam::DVec3;
 use rebounce_cad::trim::Coverage;
@@ -19,16 +19,16 @@ pub(super) struct Receiver<'a, Light> {
     /// Irradiance of a point.
     pub light: Light,
     /// Greatest error of irradiance at control points.
-    pub tolerance: f64,
+    pub tolerance: Tolerance,
 }
 
 impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
     /// What falls on the patch; `None` if nothing does at any point looked at.
     ///
-    /// The refinement oracle is that of Cuny et al. 2000: irradiance is computed at control points, here the Gauss points of a cell's
-    /// quarters, and compared with the polynomial through the Gauss points of the cell. Where they differ the cell is divided, and
-    /// the values at the control points are those of the quarters; where they agree the values make the cell's coefficients
-    /// better.
+    /// The refinement oracle is that of Cuny et al. 2000: irradiance is computed at control points, here the
+    /// Gauss points of a cell's quarters, and compared with the polynomial through the Gauss points of the
+    /// cell. Where they differ the cell is divided, and the values at the control points are those of the
+    /// quarters; where they agree the values make the cell's coefficients better.
     pub(super) fn receive(&self) -> Option<Received> {
         let coverage = self.coverage(Coverage::Boundary, Cell::ROOT);
         let samples = self.samples(Cell::ROOT, coverage);
@@ -78,8 +78,12 @@ impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
         if dark(samples) && quarters.iter().all(|(_, samples)| dark(samples)) {
             return None;
         }
-        let error = (0..4).map(|quadrant| self.error(&coefficients, quadrant, &quarters[quadrant].1));
-        if cell.level >= self.settings.min_level && error.fold(0.0, f64::max) <= self.tolerance {
+        let brightest = |samples: &Samples| samples.iter().map(|it| it.max_element()).fold(0.0, f64::max);
+        let is_dim = quarters.iter().all(|(_, samples)| brightest(samples) <= self.tolerance.least);
+        let is_coarse = cell.level < self.settings.min_level && !is_dim;
+        let is_smooth =
+            || (0..4).all(|quadrant| self.is_near(&coefficients, quadrant, &quarters[quadrant].1));
+        if !is_coarse && is_smooth() {
             let finer = [0, 1, 2, 3].map(|quadrant: usize| self.basis.project(&quarters[quadrant].1));
             return Some(Received::Cell(Box::new(self.basis.pull(&finer))));
         }
@@ -91,16 +95,15 @@ impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
         Some(Received::Divided(Box::new(children)))
     }
 
-    /// The greatest difference between a polynomial on a cell and values at the control points in a quarter.
-    fn error(&self, coefficients: &Coefficients, quadrant: usize, samples: &Samples) -> f64 {
+    /// Whether a polynomial on a cell is as near to the values at the control points in a quarter as the
+    /// tolerance asks for.
+    fn is_near(&self, coefficients: &Coefficients, quadrant: usize, samples: &Samples) -> bool {
         let quarter = Cell::ROOT.child(quadrant);
-        let mut error = 0.0_f64;
-        for (index, sample) in samples.iter().enumerate().take(self.basis.order().functions()) {
+        samples.iter().enumerate().take(self.basis.order().functions()).all(|(index, sample)| {
             let local = quarter.at(self.basis.point(index).0);
             let difference = self.basis.evaluate(coefficients, local) - *sample;
-            error = error.max(difference.abs().max_element());
-        }
-        error
+            difference.abs().max_element() <= self.tolerance.at(sample.max_element())
+        })
     }
 }
 

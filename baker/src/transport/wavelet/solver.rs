@@ -5,7 +5,7 @@ use super::emitter::{Emitter, Radiosity};
 use super::gather::Visibility;
 use super::patch::{PlacedPatch, SurfacePoint, WaveletPatch};
 use super::receive::Receiver;
-use super::settings::{WaveletError, WaveletSettings};
+use super::settings::{Tolerance, WaveletError, WaveletSettings};
 use super::solution::{Figures, WaveletSolution};
 use super::tree::{Arrival, Received, Tree};
 use crate::geometry::Surfaces;
@@ -13,19 +13,19 @@ use crate::job::watch::Stopped;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Part of the tolerance of receivers that the quadrature over emitters has: its errors must not look like light that varies.
-const QUADRATURE_SHARE: f64 = 0.25;
 /// Points along a side of a patch at which the mean direct light is estimated.
 const DIRECT_POINTS: usize = 4;
 
 /// Bounced irradiance of patches under the direct light of lamps and their own.
 ///
-/// `direct` is the irradiance of a point with this normal from lamps, with visibility. `progress` gets the part of the power that has
-/// been shot, after each shot. The result does not depend on the number of threads.
+/// `direct` is the irradiance of a point with this normal from lamps, with visibility. `progress` gets the
+/// part of the power that has been shot, after each shot. The result does not depend on the number of
+/// threads.
 ///
-/// Of all patches the one with the most unshot power shoots to all others, and to itself if it is curved. Its own light and
-/// what it reflects are shots apart. Shots of little power may have greater errors for it: the tolerance goes with the root of
-/// the power, so that the sum of errors, if they are independent, is that of one shot with all the initial power.
+/// Of all patches the one with the most unshot power shoots to all others, and to itself if it is curved. Its
+/// own light and what it reflects are shots apart. Shots of little power may have greater errors for it: the
+/// tolerance goes with the root of the power, so that the sum of errors, if they are independent, is that of
+/// one shot with all the initial power.
 ///
 /// # Errors
 /// [`WaveletError`] for patches that make no sense, or if `progress` stops it.
@@ -102,6 +102,12 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// Of irradiance, where a power, the sum of the channels, is shared out.
+    fn tolerance(&self, power: f64) -> Tolerance {
+        let relative = self.settings.epsilon;
+        Tolerance { least: relative * power / (3.0 * self.area), relative }
+    }
+
     /// Power that has not been shot, the sum of the channels.
     fn unshot_power(&self) -> f64 {
         self.emission.iter().chain(&self.reflection).map(|power| power.element_sum().max(0.0)).sum()
@@ -148,7 +154,7 @@ impl<'a> Scene<'a> {
         let powers: Vec<DVec3> = self.patches.par_iter().map(of_patch).collect();
         let emitted: DVec3 = self.emission.iter().sum();
         let power = emitted + powers.iter().sum::<DVec3>();
-        let tolerance = self.settings.epsilon * power.element_sum() / (3.0 * self.area);
+        let tolerance = self.tolerance(power.element_sum());
         let received = self.patches.par_iter().map(|patch| {
             let (basis, settings) = (self.basis, self.settings);
             Receiver { patch, basis, settings, light: direct, tolerance }.receive()
@@ -174,7 +180,7 @@ impl<'a> Scene<'a> {
             let power = std::mem::take(&mut self.reflection[shooter]);
             (Radiosity::Reflected { albedo: patch.albedo, unshot }, power)
         };
-        let tolerance = self.settings.epsilon * (power.element_sum() * initial).sqrt() / (3.0 * self.area);
+        let tolerance = self.tolerance((power.element_sum() * initial).sqrt());
         let emitter = Emitter::new(patch, self.basis, radiosity, self.settings.max_emitter_level);
         let to = |(index, patch): (usize, &PlacedPatch)| {
             if index == shooter && patch.mesh.is_planar() {
@@ -182,14 +188,14 @@ impl<'a> Scene<'a> {
             }
             let light = |point: &SurfacePoint| {
                 let point = visibility.moved_before_walls(*point);
-                visibility.irradiance(&emitter, &point, QUADRATURE_SHARE * tolerance)
+                visibility.irradiance(&emitter, &point, &tolerance)
             };
             let (basis, settings) = (self.basis, self.settings);
             let receiver = Receiver { patch, basis, settings, light, tolerance };
             let (centre, radius) = patch.ball;
             let nearest = (centre.distance(emitter.patch.ball.0) - radius).max(0.0);
             let outward = (centre - emitter.patch.ball.0).normalize_or_zero();
-            if emitter.root().bound(emitter.patch.ball.0 + nearest * outward) <= 0.5 * tolerance {
+            if emitter.root().bound(emitter.patch.ball.0 + nearest * outward) <= 0.5 * tolerance.least {
                 receiver.receive_coarsely()
             } else {
                 receiver.receive()

@@ -18,8 +18,8 @@ pub(super) enum Arrival {
     Bounced,
 }
 
-/// Irradiance that one shot gives to the square of a patch: as the decoy of Alonso et al. 2001, 5.3, it is apart from what the
-/// patch has, also where it shoots to itself.
+/// Irradiance that one shot gives to the square of a patch: as the decoy of Alonso et al. 2001, 5.3, it is
+/// apart from what the patch has, also where it shoots to itself.
 #[derive(Clone, Debug)]
 pub(super) enum Received {
     /// On a cell.
@@ -141,7 +141,8 @@ impl Tree {
         first
     }
 
-    /// Takes what has not been shot: pushed down to the leaves and pulled up again, so that each node has all of it.
+    /// Takes what has not been shot: pushed down to the leaves and pulled up again, so that each node has all
+    /// of it.
     pub(super) fn take_unshot(&mut self, basis: &Basis) -> UnshotTree {
         let mut coefficients: Vec<Coefficients> =
             self.unshot.chunks_exact(self.functions).map(widened).collect();

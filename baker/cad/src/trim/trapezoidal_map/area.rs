@@ -33,15 +33,15 @@ impl TrapezoidalMap {
         area
     }
 
-    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where the patch spans s
-    /// slabs.
+    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where
+    /// the patch spans s slabs.
     pub fn area_within(&self, patch: [DVec2; 2]) -> f64 {
         let strip = [patch[0].y, patch[1].y];
         self.sum_within(patch, |piece, range| DVec3::X * piece.clamped_integral(range, strip)).x
     }
 
-    /// ∫ u and ∫ v over the part of the domain within a patch: the centroid times the area. Exact for segments, to a part in a
-    /// thousand for arcs.
+    /// ∫ u and ∫ v over the part of the domain within a patch: the centroid times the area. Exact for
+    /// segments, to a part in a thousand for arcs.
     pub fn moments_within(&self, patch: [DVec2; 2]) -> DVec2 {
         let [low, high] = [patch[0].y, patch[1].y];
         let below = |piece: &MonotoneEdge, [a, b]: [f64; 2]| {
