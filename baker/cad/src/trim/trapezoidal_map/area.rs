@@ -3,9 +3,14 @@
 use super::{MonotoneEdge, TrapezoidalMap, sort_key};
 use glam::{DVec2, DVec3};
 
-/// Nodes from −1 to 1 and weights of the Gauss–Legendre rule of three nodes.
-const RULE: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// Nodes from −1 to 1 and weights of the Gauss–Legendre rule of five nodes.
+const RULE: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.0, 128.0 / 225.0),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
 
 impl TrapezoidalMap {
     /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many
@@ -48,11 +53,13 @@ impl TrapezoidalMap {
             let [from, to] = piece.within([a, b], [low, high]);
             let mut sum = DVec3::ZERO;
             for [a, b] in [[a, from], [from, to], [to, b]] {
-                let half = 0.5 * (b - a);
                 for (node, weight) in RULE {
-                    let u = a + half * (1.0 + node);
+                    // u = a + (b − a) (3 x² − 2 x³): an arc's vertical ends are smooth in x.
+                    let x = 0.5 * (1.0 + node);
+                    let u = a + (b - a) * x * x * (3.0 - 2.0 * x);
+                    let weight = 0.5 * weight * 6.0 * x * (1.0 - x) * (b - a);
                     let v = piece.v_at(u).clamp(low, high);
-                    sum += half * weight * (v - low) * DVec3::new(0.0, u, 0.5 * (v + low));
+                    sum += weight * (v - low) * DVec3::new(0.0, u, 0.5 * (v + low));
                 }
             }
             sum
