@@ -21,6 +21,7 @@ mod furnace;
 mod gltf;
 mod ground;
 mod groups;
+mod join;
 mod laws;
 mod leaks;
 mod materials;

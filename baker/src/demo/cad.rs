@@ -6,7 +6,7 @@ use crate::scene::{Scene, SceneError};
 use rebounce_shared::light::Light;
 
 /// Where a scene is seen from, and its lamp.
-struct View {
+struct DemoView {
     /// Position, target and vertical field of view in degrees.
     camera: ([f64; 3], [f64; 3], f64),
     /// Position, target, half angle in degrees, candela.
@@ -19,19 +19,19 @@ pub(super) const NAMES: [&str; 4] = rebounce_cad::demo::NAMES;
 /// Generates the scene of this name, one of [`NAMES`].
 pub(super) fn scene(name: &str) -> Result<Scene, SceneError> {
     let view = match name {
-        "teapot" => View {
+        "teapot" => DemoView {
             camera: ([0.35, 1.05, 0.75], [0.0, 0.77, -0.05], 32.0),
             lamp: ([0.5, 1.9, 0.6], [0.0, 0.75, -0.1], 40.0, 14.0),
         },
-        "tori" => View {
+        "tori" => DemoView {
             camera: ([0.0, 1.3, 3.2], [0.0, 0.35, 0.0], 38.0),
             lamp: ([0.8, 2.4, 1.0], [-0.1, 0.2, -0.1], 38.0, 25.0),
         },
-        "chess" => View {
+        "chess" => DemoView {
             camera: ([0.25, 0.4, 0.62], [0.0, 0.03, 0.02], 34.0),
             lamp: ([-0.4, 0.9, 0.3], [0.0, 0.0, 0.0], 40.0, 4.0),
         },
-        _ => View {
+        _ => DemoView {
             camera: ([4.0, 1.8, 24.0], [0.0, 5.5, 0.0], 45.0),
             lamp: ([-9.0, 16.0, 16.0], [0.0, 5.0, 0.0], 40.0, 2500.0),
         },

@@ -174,8 +174,8 @@ impl VirtualMesh {
         (self.real.area_within(cell) / (sides.x * sides.y)).clamp(0.0, 1.0)
     }
 
-    /// The part of a cell's area that is real, 0 to 1, and the centroid of that part in the square; the middle of the cell if it
-    /// is empty.
+    /// The part of a cell's area that is real, 0 to 1, and the centroid of that part in the square; the
+    /// middle of the cell if it is empty.
     pub fn real_part(&self, cell: [DVec2; 2]) -> (f64, DVec2) {
         let area = self.real.area_within(cell);
         let sides = cell[1] - cell[0];
@@ -186,14 +186,14 @@ impl VirtualMesh {
         (share, (self.real.moments_within(cell) / area).clamp(cell[0], cell[1]))
     }
 
-    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the square inside of
-    /// where the boundary is nearest, less where the face is narrower.
+    /// The real point nearest in space to a point of the square: itself if it is real, else one 1e-4 of the
+    /// square inside of where the boundary is nearest, less where the face is narrower.
     pub fn nearest_real(&self, st: DVec2) -> DVec2 {
         if self.is_real(st) { st } else { self.moved_inside(st, INSET) }
     }
 
-    /// A point itself if it is real and `inset` / 8 of the square inside of the boundary; else a real one about `inset` inside of
-    /// where the boundary is nearest in space, less where the face is narrower.
+    /// A point itself if it is real and `inset` / 8 of the square inside of the boundary; else a real one
+    /// about `inset` inside of where the boundary is nearest in space, less where the face is narrower.
     pub fn well_inside(&self, st: DVec2, inset: f64) -> DVec2 {
         let around = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|axis| st + 0.125 * inset * axis);
         let is_inside = self.is_real(st) && around.into_iter().all(|at| self.is_real(at));

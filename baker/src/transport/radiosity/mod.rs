@@ -10,7 +10,7 @@
 //! * [`gather`] – irradiance of receivers by the rays of their hemispheres (procedure GATHER);
 //! * [`receiver_oracle`] – which receivers are refined (ε_E);
 //! * [`bounces`] – light that bounces between coarse points; [`ancestors`] – coarse points that a finer one follows from;
-//! * [`source_links`] – light from the sky and from emissive surfaces;
+//! * [`mod@source_links`] – light from the sky and from emissive surfaces;
 //! * [`solver`] – levels and bounces in order; [`solution`] – what it finds.
 
 pub mod ancestors;

@@ -1,11 +1,13 @@
-//! Multiwavelets' smoothing functions: tensor products of Legendre polynomials on a cell, and their two-scale relation.
+//! Multiwavelets' smoothing functions: tensor products of Legendre polynomials on a cell, and their two-scale
+//! relation.
 
 use glam::{DVec2, DVec3};
 
 /// Most functions of a cell.
 pub(super) const MOST: usize = 9;
 
-/// Order of the multiwavelet basis (Gortler et al. 1993): how many Legendre polynomials along each side of a cell.
+/// Order of the multiwavelet basis (Gortler et al. 1993): how many Legendre polynomials along each side of a
+/// cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Order {
     /// Constant: Haar.
@@ -33,16 +35,18 @@ impl Order {
     }
 }
 
-/// Coefficients of a cell, linear RGB: function i + n j is φᵢ(x) φⱼ(y); those beyond n² are 0. The first is the mean.
+/// Coefficients of a cell, linear RGB: function i + n j is φᵢ(x) φⱼ(y); those beyond n² are 0. The first is
+/// the mean.
 pub(super) type Coefficients = [DVec3; MOST];
 
 /// Values at the n × n Gauss points of a cell, x fastest.
 pub(super) type Samples = [DVec3; MOST];
 
-/// The basis on a cell, with x and y from 0 to 1 in it: φₖ(x) = √(2k + 1) Pₖ(2x − 1), orthonormal under the mean over the cell.
+/// The basis on a cell, with x and y from 0 to 1 in it: φₖ(x) = √(2k + 1) Pₖ(2x − 1), orthonormal under the
+/// mean over the cell.
 ///
-/// So coefficients of one function are the same on cells of any size, and so are the two-scale coefficients: on a surface, because
-/// its virtual mesh keeps areas (Alonso et al. 2001, 5.2).
+/// So coefficients of one function are the same on cells of any size, and so are the two-scale coefficients:
+/// on a surface, because its virtual mesh keeps areas (Alonso et al. 2001, 5.2).
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     order: Order,
@@ -115,7 +119,8 @@ impl Basis {
         coefficients
     }
 
-    /// The same function on a quarter of the cell: g of Equation 4. Quadrant 1 is that of greater x, 2 that of greater y.
+    /// The same function on a quarter of the cell: g of Equation 4. Quadrant 1 is that of greater x, 2 that
+    /// of greater y.
     pub(super) fn push(&self, coefficients: &Coefficients, quadrant: usize) -> Coefficients {
         let side = self.order.side();
         let [of_x, of_y] = [quadrant % 2, quadrant / 2].map(|half| &self.two_scale[half]);
@@ -159,7 +164,8 @@ fn legendre(x: f64) -> [f64; 3] {
     [1.0, 3_f64.sqrt() * t, 5_f64.sqrt() * (1.5 * t * t - 0.5)]
 }
 
-/// Nodes from 0 to 1 and weights of the Gauss–Legendre rule with as many nodes as functions along a side; the rest is 0.
+/// Nodes from 0 to 1 and weights of the Gauss–Legendre rule with as many nodes as functions along a side; the
+/// rest is 0.
 fn gauss(order: Order) -> [(f64, f64); 3] {
     match order {
         Order::M1 => [(0.5, 1.0), (0.0, 0.0), (0.0, 0.0)],

@@ -14,12 +14,13 @@ const PARALLEL: f64 = 1e-3;
 /// Triangles with a smaller ratio of height to longest side have no plane of their own.
 const SLIVER: f64 = 1e-9;
 
-/// The planar faces of a mesh, each with its material: triangles of one material that are connected by edges and lie in one
-/// plane, facing the same way, are one face. All others are faces of their own. `materials` has a number for each triangle.
+/// The planar faces of a mesh, each with its material: triangles of one material that are connected by edges
+/// and lie in one plane, facing the same way, are one face. All others are faces of their own. `materials`
+/// has a number for each triangle.
 ///
-/// Positions are compared bit by bit: vertices at the same position are one. Triangles without area and those that refer to no
-/// position are left out. Faces are in the order of their first triangles. A face is never cut at a vertex that two of its loops
-/// share, which the even-odd rule allows.
+/// Positions are compared bit by bit: vertices at the same position are one. Triangles without area and those
+/// that refer to no position are left out. Faces are in the order of their first triangles. A face is never
+/// cut at a vertex that two of its loops share, which the even-odd rule allows.
 pub fn complex_polygons(positions: &[DVec3], triangles: &[[u32; 3]], materials: &[u32]) -> Vec<(Face, u32)> {
     let mesh = Mesh::new(positions, triangles, materials);
     let groups = mesh.groups();
@@ -27,7 +28,7 @@ pub fn complex_polygons(positions: &[DVec3], triangles: &[[u32; 3]], materials: 
 }
 
 /// A triangle with a plane.
-struct Triangle {
+struct PlaneTriangle {
     vertices: [u32; 3],
     material: u32,
     /// Unit vector.
@@ -36,7 +37,7 @@ struct Triangle {
 
 struct Mesh<'a> {
     positions: &'a [DVec3],
-    triangles: Vec<Triangle>,
+    triangles: Vec<PlaneTriangle>,
     /// Diagonal of the box.
     size: f64,
 }
@@ -67,7 +68,7 @@ impl<'a> Mesh<'a> {
                 (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
             if cross.length() > SLIVER * longest {
                 (low, high) = (low.min(a).min(b).min(c), high.max(a).max(b).max(c));
-                all.push(Triangle { vertices, material, normal: cross.normalize() });
+                all.push(PlaneTriangle { vertices, material, normal: cross.normalize() });
             }
         }
         let size = if all.is_empty() { 0.0 } else { low.distance(high) };
@@ -78,7 +79,8 @@ impl<'a> Mesh<'a> {
         self.positions[vertex as usize]
     }
 
-    /// Triangles of each face: from the first that is in none, over edges that two triangles go along in opposite directions.
+    /// Triangles of each face: from the first that is in none, over edges that two triangles go along in
+    /// opposite directions.
     fn groups(&self) -> Vec<Vec<usize>> {
         let mut edges: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
         for (index, triangle) in self.triangles.iter().enumerate() {
@@ -157,7 +159,8 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// Loops of directed edges, in the order of the edges that begin them. As many edges end at a vertex as begin there.
+/// Loops of directed edges, in the order of the edges that begin them. As many edges end at a vertex as begin
+/// there.
 fn chained(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut from: HashMap<u32, Vec<usize>> = HashMap::new();
     for (index, edge) in edges.iter().enumerate().rev() {

@@ -3,15 +3,16 @@
 use super::basis::{Basis, Coefficients};
 use super::cell::Cell;
 use super::form_factor::form_factor;
-use super::patch::{PlacedPatch, SurfacePoint};
+use super::patch::{PatchPoint, PlacedPatch};
 use super::tree::UnshotTree;
 use glam::{DVec2, DVec3};
 use rebounce_cad::trim::Coverage;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud 1971, C₂: 3-1), of
-/// equal weights: none of them is a Gauss point of a receiver, where a patch shoots to itself.
+/// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud
+/// 1971, C₂: 3-1), of equal weights: none of them is a Gauss point of a receiver, where a patch shoots to
+/// itself.
 const POINTS: usize = 4;
 
 /// Cells of planes nearer than this many of their radii are not met by quadrature.
@@ -39,11 +40,12 @@ pub(super) struct Emitter<'a> {
     root: EmitterCell,
 }
 
-/// A cell of an emitter. Its quarters are made when the first receiver needs them; they do not depend on which that is.
+/// A cell of an emitter. Its quarters are made when the first receiver needs them; they do not depend on
+/// which that is.
 pub(super) struct EmitterCell {
     cell: Cell,
     is_plain: bool,
-    /// Node of the unshot radiosity.
+    /// QuadtreeNode of the unshot radiosity.
     node: Option<usize>,
     /// Of the radiosity.
     coefficients: Coefficients,
@@ -60,7 +62,7 @@ pub(super) struct EmitterCell {
 /// A quadrature point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuadraturePoint {
-    pub at: SurfacePoint,
+    pub at: PatchPoint,
     /// Area of the real part of what it stands for.
     pub area: f64,
     /// Linear RGB.
@@ -70,8 +72,9 @@ pub(super) struct QuadraturePoint {
 impl QuadraturePoint {
     /// Irradiance of a point, if nothing is in between: B cos θ cos θ′ A / (π r²).
     ///
-    /// `is_last`: the cell is not divided further; the area is taken for a disk, A / (π r² + A), which is at most 1.
-    pub(super) fn irradiance(&self, receiver: &SurfacePoint, is_last: bool) -> DVec3 {
+    /// `is_last`: the cell is not divided further; the area is taken for a disk, A / (π r² + A), which is at
+    /// most 1.
+    pub(super) fn irradiance(&self, receiver: &PatchPoint, is_last: bool) -> DVec3 {
         let between = self.at.position - receiver.position;
         let square = between.length_squared();
         let cosines = between.dot(receiver.normal).max(0.0) * (-between.dot(self.at.normal)).max(0.0);
@@ -152,8 +155,8 @@ impl EmitterCell {
                 let direction = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][i];
                 (DVec2::splat(0.5) + offset * direction, 1.0)
             } else {
-                // Weights are the real parts of the areas of quarters, as in 4.2; points are not their middles, which may be
-                // behind another surface, but the centroids of those parts.
+                // Weights are the real parts of the areas of quarters, as in 4.2; points are not their
+                // middles, which may be behind another surface, but the centroids of those parts.
                 let (share, centroid) = patch.mesh.real_part(cell.child(i).corners());
                 (cell.local(centroid), share)
             };
@@ -177,7 +180,8 @@ impl EmitterCell {
         self.points.iter().filter(|point| point.area > 0.0)
     }
 
-    /// The most irradiance it can give to any point at this distance from its centre: of what is nearest, facing it.
+    /// The most irradiance it can give to any point at this distance from its centre: of what is nearest,
+    /// facing it.
     pub(super) fn bound(&self, position: DVec3) -> f64 {
         let (centre, radius) = self.ball;
         let distance = (position.distance(centre) - radius).max(0.0);
@@ -185,8 +189,9 @@ impl EmitterCell {
         power / (PI * distance * distance)
     }
 
-    /// Irradiance of a point, if nothing is in between: by quadrature; of a near cell of a plane by Lambert's formula.
-    pub(super) fn irradiance(&self, receiver: &SurfacePoint, is_last: bool) -> DVec3 {
+    /// Irradiance of a point, if nothing is in between: by quadrature; of a near cell of a plane by Lambert's
+    /// formula.
+    pub(super) fn irradiance(&self, receiver: &PatchPoint, is_last: bool) -> DVec3 {
         let (centre, radius) = self.ball;
         match &self.corners {
             Some(corners) if receiver.position.distance(centre) < NEAR * radius => {
@@ -196,7 +201,7 @@ impl EmitterCell {
         }
     }
 
-    fn near_irradiance(&self, corners: &[DVec3; 4], receiver: &SurfacePoint) -> DVec3 {
+    fn near_irradiance(&self, corners: &[DVec3; 4], receiver: &PatchPoint) -> DVec3 {
         let towards = (receiver.position - corners[0]).dot(self.points[0].at.normal);
         if towards <= 0.0 {
             return DVec3::ZERO;

@@ -1,13 +1,13 @@
 //! Form factor of a quadrilateral in closed form.
 
-use super::patch::SurfacePoint;
+use super::patch::PatchPoint;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Irradiance of a point from a planar, convex quadrilateral of radiosity 1, of either direction around: Lambert's formula
-/// (1760), Σ Γᵢ · n / 2π with Γᵢ the angle that edge i subtends times the unit normal of its plane through the point. What lies
-/// below the receiver's horizon is cut off.
-pub(super) fn form_factor(corners: &[DVec3; 4], receiver: &SurfacePoint) -> f64 {
+/// Irradiance of a point from a planar, convex quadrilateral of radiosity 1, of either direction around:
+/// Lambert's formula (1760), Σ Γᵢ · n / 2π with Γᵢ the angle that edge i subtends times the unit normal of
+/// its plane through the point. What lies below the receiver's horizon is cut off.
+pub(super) fn form_factor(corners: &[DVec3; 4], receiver: &PatchPoint) -> f64 {
     let corners = corners.map(|corner| corner - receiver.position);
     let heights = corners.map(|corner| corner.dot(receiver.normal));
     // A line cuts a quadrilateral to five corners at most.
@@ -42,8 +42,8 @@ pub(super) fn form_factor(corners: &[DVec3; 4], receiver: &SurfacePoint) -> f64 
 mod tests {
     use super::*;
 
-    fn at(position: DVec3, normal: DVec3) -> SurfacePoint {
-        SurfacePoint { position, normal, seen_from: position, seen_normal: normal }
+    fn at(position: DVec3, normal: DVec3) -> PatchPoint {
+        PatchPoint { position, normal, seen_from: position, seen_normal: normal }
     }
 
     #[test]

@@ -1,22 +1,29 @@
 //! Irradiance of a point from an emitter: adaptive quadrature over its cells, with visibility.
 
 use super::emitter::{Emitter, EmitterCell};
-use super::patch::SurfacePoint;
+use super::patch::PatchPoint;
+use super::settings::Tolerance;
 use crate::geometry::Surfaces;
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Irradiance that visibility of four quadrature points decides about at once, tolerances at most: more is divided, so that
-/// there are more rays where more light comes from.
+/// Part of the tolerance of receivers that the quadrature over emitters has: its errors must not look like
+/// light that varies.
+const QUADRATURE_SHARE: f64 = 0.25;
+/// Irradiance that visibility of four quadrature points decides about at once, tolerances at most: more is
+/// divided, so that there are more rays where more light comes from.
 const MOST_AT_ONCE: f64 = 16.0;
+/// The same of a cell that is visible in part: errors of many such cells, an eighth of their irradiance, add
+/// up like independent ones.
+const MOST_IN_PART: f64 = 4.0;
 
-/// Visibility among a scene's surfaces.
-pub(super) struct Visibility<'a, S> {
+/// PatchVisibility among a scene's surfaces.
+pub(super) struct PatchVisibility<'a, S> {
     surfaces: &'a S,
     rays: AtomicU64,
 }
 
-impl<'a, S: Surfaces> Visibility<'a, S> {
+impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     pub(super) fn new(surfaces: &'a S) -> Self {
         Self { surfaces, rays: AtomicU64::new(0) }
     }
@@ -27,7 +34,7 @@ impl<'a, S: Surfaces> Visibility<'a, S> {
     }
 
     /// Transmittance between the nearest real points of two points, each a safe offset above its surface.
-    fn between(&self, a: &SurfacePoint, b: &SurfacePoint) -> DVec3 {
+    fn between(&self, a: &PatchPoint, b: &PatchPoint) -> DVec3 {
         self.transmittance([(a.seen_from, a.seen_normal), (b.seen_from, b.seen_normal)])
     }
 
@@ -40,29 +47,35 @@ impl<'a, S: Surfaces> Visibility<'a, S> {
         self.surfaces.transmittance(from, to).as_dvec3()
     }
 
-    /// Where a virtual point receives: at the nearest real point, if another surface lies between the two, as where the
-    /// surface goes on behind a wall. There Alonso et al. 2001, 4.1, extend radiosity with a jump at the boundary, since the
-    /// point is on the other side of what shines on the real one.
-    pub(super) fn moved_before_walls(&self, point: SurfacePoint) -> SurfacePoint {
-        let SurfacePoint { position, normal, seen_from, seen_normal } = point;
+    /// Where a virtual point receives: at the nearest real point, if another surface lies between the two, as
+    /// where the surface goes on behind a wall. There Alonso et al. 2001, 4.1, extend radiosity with a jump
+    /// at the boundary, since the point is on the other side of what shines on the real one.
+    pub(super) fn moved_before_walls(&self, point: PatchPoint) -> PatchPoint {
+        let PatchPoint { position, normal, seen_from, seen_normal } = point;
         if position != seen_from {
             let transmittance = self.transmittance([(seen_from, seen_normal), (position, normal)]);
             if transmittance.min_element() < 1.0 {
-                return SurfacePoint { position: seen_from, normal: seen_normal, ..point };
+                return PatchPoint { position: seen_from, normal: seen_normal, ..point };
             }
         }
         point
     }
 
-    /// Irradiance of a point from an emitter, with an error of about `tolerance`.
+    /// Irradiance of a point from an emitter, with an error of about the tolerance.
     ///
-    /// A cell whose quadrature differs from that of its quarters by more than the tolerance is divided, with half of the
-    /// tolerance for each quarter: errors of four add up like independent ones. So is one that is visible in part, if that part
-    /// could make such a difference.
-    pub(super) fn irradiance(&self, emitter: &Emitter, receiver: &SurfacePoint, tolerance: f64) -> DVec3 {
+    /// A cell whose quadrature differs from that of its quarters by more than the tolerance is divided; else
+    /// the latter is taken, whose error is a fraction of the difference. So is one that gives much light, or
+    /// is visible in part.
+    pub(super) fn irradiance(
+        &self,
+        emitter: &Emitter,
+        receiver: &PatchPoint,
+        tolerance: &Tolerance,
+    ) -> DVec3 {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
-        self.of_cell(emitter, root, unoccluded, receiver, [tolerance, MOST_AT_ONCE * tolerance])
+        let tolerance = QUADRATURE_SHARE * tolerance.at(unoccluded.abs().max_element());
+        self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
 
     fn of_cell(
@@ -70,37 +83,36 @@ impl<'a, S: Surfaces> Visibility<'a, S> {
         emitter: &Emitter,
         cell: &EmitterCell,
         unoccluded: DVec3,
-        receiver: &SurfacePoint,
-        [tolerance, most]: [f64; 2],
+        receiver: &PatchPoint,
+        tolerance: f64,
     ) -> DVec3 {
         if emitter.is_last(cell) || cell.bound(receiver.position) <= tolerance {
             return self.with_visibility(cell, receiver, unoccluded, emitter.is_last(cell)).0;
         }
         let children = emitter.children(cell);
-        let of_child = |child: &EmitterCell| child.irradiance(receiver, emitter.is_last(child));
         let mut fine = [DVec3::ZERO; 4];
         for (sum, child) in fine.iter_mut().zip(children) {
-            *sum = of_child(child);
+            *sum = child.irradiance(receiver, emitter.is_last(child));
         }
         let sum: DVec3 = fine.iter().sum();
-        let is_small = sum.abs().max_element() <= most;
-        if is_small && (sum - unoccluded).abs().max_element() <= tolerance {
+        let size = sum.abs().max_element();
+        let is_settled = (sum - unoccluded).abs().max_element() <= tolerance;
+        if is_settled && size <= MOST_AT_ONCE * tolerance {
             let (result, is_partial) = self.with_visibility(cell, receiver, sum, false);
-            if !is_partial || sum.abs().max_element() <= tolerance {
+            if !is_partial || size <= MOST_IN_PART * tolerance {
                 return result;
             }
         }
         let quarters = children.iter().zip(fine);
-        quarters
-            .map(|(child, fine)| self.of_cell(emitter, child, fine, receiver, [0.5 * tolerance, most]))
-            .sum()
+        quarters.map(|(child, fine)| self.of_cell(emitter, child, fine, receiver, tolerance)).sum()
     }
 
-    /// The irradiance `unoccluded` times the transmittance to the quadrature points, and whether that differs among them.
+    /// The irradiance `unoccluded` times the transmittance to the quadrature points, and whether that differs
+    /// among them.
     fn with_visibility(
         &self,
         cell: &EmitterCell,
-        receiver: &SurfacePoint,
+        receiver: &PatchPoint,
         unoccluded: DVec3,
         is_last: bool,
     ) -> (DVec3, bool) {

@@ -1,8 +1,8 @@
 //! Wavelet radiosity on virtual meshes: bounced light of given lights on exact, trimmed, curved surfaces.
 //!
-//! Alonso, Cuny, Petitjean, Paul, Lazard, Wies: The Virtual Mesh: A Geometric Abstraction for Efficiently Computing Radiosity
-//! (2001), sections 4 and 5; the refinement oracle is that of Cuny, Alonso, Holzschuch: A novel approach makes higher order
-//! wavelets really efficient for radiosity (2000).
+//! Alonso, Cuny, Petitjean, Paul, Lazard, Wies: The Virtual Mesh: A Geometric Abstraction for Efficiently
+//! Computing Radiosity (2001), sections 4 and 5; the refinement oracle is that of Cuny, Alonso, Holzschuch: A
+//! novel approach makes higher order wavelets really efficient for radiosity (2000).
 //!
 //! | module | what it has |
 //! |---|---|

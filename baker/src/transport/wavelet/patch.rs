@@ -16,7 +16,8 @@ const INSET: f64 = 0.125;
 pub struct WaveletPatch {
     /// The face on the unit square.
     pub mesh: Arc<VirtualMesh>,
-    /// From the face's space to local space. Lengths along all directions grow alike, unless the surface is a plane.
+    /// From the face's space to local space. Lengths along all directions grow alike, unless the surface is a
+    /// plane.
     pub world_from_part: DAffine3,
     /// Whether the patch is the side that the face's normal points away from.
     pub is_back: bool,
@@ -45,7 +46,7 @@ pub(super) struct PlacedPatch<'a> {
 
 /// A point of a surface with its normal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint {
+pub(super) struct PatchPoint {
     /// Local space.
     pub position: DVec3,
     /// Unit vector.
@@ -95,16 +96,16 @@ impl<'a> PlacedPatch<'a> {
     }
 
     /// A real or virtual point; the fields of the nearest real one are its own.
-    pub(super) fn point(&self, st: DVec2) -> SurfacePoint {
+    pub(super) fn point(&self, st: DVec2) -> PatchPoint {
         let [position, normal] = self.mesh.point_and_normal(st);
         let position = self.world_from_part.transform_point3(position);
         let normal = (self.normal_from_part * normal).normalize_or_zero();
-        SurfacePoint { position, normal, seen_from: position, seen_normal: normal }
+        PatchPoint { position, normal, seen_from: position, seen_normal: normal }
     }
 
-    /// A real or virtual point of a cell of this side, with the nearest real one. A point on the boundary, where another surface
-    /// may be, is moved inward by a part of the cell.
-    pub(super) fn point_with_nearest(&self, st: DVec2, side: f64) -> SurfacePoint {
+    /// A real or virtual point of a cell of this side, with the nearest real one. A point on the boundary,
+    /// where another surface may be, is moved inward by a part of the cell.
+    pub(super) fn point_with_nearest(&self, st: DVec2, side: f64) -> PatchPoint {
         let point = self.point(st);
         let nearest = self.mesh.well_inside(st, INSET * side);
         if nearest == st {
@@ -114,7 +115,7 @@ impl<'a> PlacedPatch<'a> {
         if self.mesh.is_real(st) || st.distance(nearest) < 1.25 * INSET * side {
             return real;
         }
-        SurfacePoint { seen_from: real.position, seen_normal: real.normal, ..point }
+        PatchPoint { seen_from: real.position, seen_normal: real.normal, ..point }
     }
 
     /// A ball around 25 points of a cell, and a quarter more.

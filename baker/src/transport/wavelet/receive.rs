@@ -2,9 +2,9 @@
 
 use super::basis::{Basis, Coefficients, MOST, Samples};
 use super::cell::Cell;
-use super::patch::{PlacedPatch, SurfacePoint};
-use super::settings::WaveletSettings;
-use super::tree::Received;
+use super::patch::{PatchPoint, PlacedPatch};
+use super::settings::{Tolerance, WaveletSettings};
+use super::tree::ReceivedTree;
 use glam::DVec3;
 use rebounce_cad::trim::Coverage;
 
@@ -12,35 +12,35 @@ use rebounce_cad::trim::Coverage;
 const PARALLEL_LEVELS: u32 = 3;
 
 /// A patch that light falls on.
-pub(super) struct Receiver<'a, Light> {
+pub(super) struct PatchReceiver<'a, Light> {
     pub patch: &'a PlacedPatch<'a>,
     pub basis: &'a Basis,
     pub settings: &'a WaveletSettings,
     /// Irradiance of a point.
     pub light: Light,
     /// Greatest error of irradiance at control points.
-    pub tolerance: f64,
+    pub tolerance: Tolerance,
 }
 
-impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
+impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
     /// What falls on the patch; `None` if nothing does at any point looked at.
     ///
-    /// The refinement oracle is that of Cuny et al. 2000: irradiance is computed at control points, here the Gauss points of a cell's
-    /// quarters, and compared with the polynomial through the Gauss points of the cell. Where they differ the cell is divided, and
-    /// the values at the control points are those of the quarters; where they agree the values make the cell's coefficients
-    /// better.
-    pub(super) fn receive(&self) -> Option<Received> {
+    /// The refinement oracle is that of Cuny et al. 2000: irradiance is computed at control points, here the
+    /// Gauss points of a cell's quarters, and compared with the polynomial through the Gauss points of the
+    /// cell. Where they differ the cell is divided, and the values at the control points are those of the
+    /// quarters; where they agree the values make the cell's coefficients better.
+    pub(super) fn receive(&self) -> Option<ReceivedTree> {
         let coverage = self.coverage(Coverage::Boundary, Cell::ROOT);
         let samples = self.samples(Cell::ROOT, coverage);
         self.divided(Cell::ROOT, coverage, &samples)
     }
 
     /// What falls on the patch, if that hardly matters: one cell, without control points.
-    pub(super) fn receive_coarsely(&self) -> Option<Received> {
+    pub(super) fn receive_coarsely(&self) -> Option<ReceivedTree> {
         let coverage = self.coverage(Coverage::Boundary, Cell::ROOT);
         let samples = self.samples(Cell::ROOT, coverage);
         let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
-        (!is_dark).then(|| Received::Cell(Box::new(self.basis.project(&samples))))
+        (!is_dark).then(|| ReceivedTree::Cell(Box::new(self.basis.project(&samples))))
     }
 
     fn coverage(&self, of_parent: Coverage, cell: Cell) -> Coverage {
@@ -61,12 +61,12 @@ impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
     }
 
     /// What falls on a cell with these values at its Gauss points; `None` for nothing.
-    fn divided(&self, cell: Cell, coverage: Coverage, samples: &Samples) -> Option<Received> {
+    fn divided(&self, cell: Cell, coverage: Coverage, samples: &Samples) -> Option<ReceivedTree> {
         let coefficients = self.basis.project(samples);
         let is_small = self.patch.area * cell.area() < self.settings.min_cell_area;
         if coverage == Coverage::Empty || cell.level >= self.settings.max_level || is_small {
             let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
-            return (!is_dark).then(|| Received::Cell(Box::new(coefficients)));
+            return (!is_dark).then(|| ReceivedTree::Cell(Box::new(coefficients)));
         }
         let is_parallel = cell.level < PARALLEL_LEVELS;
         let quarters = four(is_parallel, |quadrant| {
@@ -78,29 +78,32 @@ impl<Light: Fn(&SurfacePoint) -> DVec3 + Sync> Receiver<'_, Light> {
         if dark(samples) && quarters.iter().all(|(_, samples)| dark(samples)) {
             return None;
         }
-        let error = (0..4).map(|quadrant| self.error(&coefficients, quadrant, &quarters[quadrant].1));
-        if cell.level >= self.settings.min_level && error.fold(0.0, f64::max) <= self.tolerance {
+        let brightest = |samples: &Samples| samples.iter().map(|it| it.max_element()).fold(0.0, f64::max);
+        let is_dim = quarters.iter().all(|(_, samples)| brightest(samples) <= self.tolerance.least);
+        let is_coarse = cell.level < self.settings.min_level && !is_dim;
+        let is_smooth =
+            || (0..4).all(|quadrant| self.is_near(&coefficients, quadrant, &quarters[quadrant].1));
+        if !is_coarse && is_smooth() {
             let finer = [0, 1, 2, 3].map(|quadrant: usize| self.basis.project(&quarters[quadrant].1));
-            return Some(Received::Cell(Box::new(self.basis.pull(&finer))));
+            return Some(ReceivedTree::Cell(Box::new(self.basis.pull(&finer))));
         }
-        let nothing = || Received::Cell(Box::default());
+        let nothing = || ReceivedTree::Cell(Box::default());
         let children = four(is_parallel, |quadrant| {
             let (coverage, samples) = &quarters[quadrant];
             self.divided(cell.child(quadrant), *coverage, samples).unwrap_or_else(nothing)
         });
-        Some(Received::Divided(Box::new(children)))
+        Some(ReceivedTree::Divided(Box::new(children)))
     }
 
-    /// The greatest difference between a polynomial on a cell and values at the control points in a quarter.
-    fn error(&self, coefficients: &Coefficients, quadrant: usize, samples: &Samples) -> f64 {
+    /// Whether a polynomial on a cell is as near to the values at the control points in a quarter as the
+    /// tolerance asks for.
+    fn is_near(&self, coefficients: &Coefficients, quadrant: usize, samples: &Samples) -> bool {
         let quarter = Cell::ROOT.child(quadrant);
-        let mut error = 0.0_f64;
-        for (index, sample) in samples.iter().enumerate().take(self.basis.order().functions()) {
+        samples.iter().enumerate().take(self.basis.order().functions()).all(|(index, sample)| {
             let local = quarter.at(self.basis.point(index).0);
             let difference = self.basis.evaluate(coefficients, local) - *sample;
-            error = error.max(difference.abs().max_element());
-        }
-        error
+            difference.abs().max_element() <= self.tolerance.at(sample.max_element())
+        })
     }
 }
 

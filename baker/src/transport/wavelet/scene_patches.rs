@@ -1,4 +1,4 @@
-//! Patches of a scene: its exact faces, and its triangles put together to [complex polygons](super::complex_polygons).
+//! Patches of a scene: its exact faces, and its triangles put together to [complex polygons](super::complex_polygons()).
 
 use super::WaveletPatch;
 use super::complex_polygons::complex_polygons;

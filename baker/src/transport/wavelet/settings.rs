@@ -8,14 +8,17 @@ use crate::job::watch::Stopped;
 pub struct WaveletSettings {
     /// Order of the basis.
     pub order: Order,
-    /// Part of the power that has been shot when it ends, 0 to 1: (Eᵢ − Eᵣ) / Eᵢ of Alonso et al. 2001, section 6.
+    /// Part of the power that has been shot when it ends, 0 to 1: (Eᵢ − Eᵣ) / Eᵢ of Alonso et al. 2001,
+    /// section 6.
     pub convergence: f64,
-    /// Error of irradiance at control points, part of the mean irradiance that the shot would give to all surfaces: cells of
-    /// receivers are divided above it, cells of emitters above a quarter of it.
+    /// Error of irradiance at control points: part of that irradiance and of the mean irradiance that the
+    /// shot would give to all surfaces, together. Cells of receivers are divided above it, cells of emitters
+    /// above a quarter of it.
     pub epsilon: f64,
-    /// Cells smaller than this are not divided, square scene units; nor those smaller than 4⁻ᵈ of a square, d = `max_level`.
+    /// Cells smaller than this are not divided, square scene units; nor those smaller than 4⁻ᵈ of a square, d
+    /// = `max_level`.
     pub min_cell_area: f64,
-    /// Levels of receivers that are always divided, where light arrives.
+    /// Levels of receivers that are divided wherever there is more light than the tolerance.
     pub min_level: u32,
     /// Deepest level of the quadtrees of receivers.
     pub max_level: u32,
@@ -37,6 +40,22 @@ impl Default for WaveletSettings {
             max_emitter_level: 7,
             max_shots: 1_000_000,
         }
+    }
+}
+
+/// Greatest error of irradiance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerance {
+    /// Where there is none.
+    pub least: f64,
+    /// More, part of the irradiance.
+    pub relative: f64,
+}
+
+impl Tolerance {
+    /// Where there is this irradiance.
+    pub(super) fn at(&self, irradiance: f64) -> f64 {
+        self.least + self.relative * irradiance
     }
 }
 

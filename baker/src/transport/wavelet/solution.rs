@@ -28,15 +28,16 @@ pub struct Figures {
     pub shooting_patches: usize,
     /// Shots.
     pub shots: usize,
-    /// Visibility rays between patches; those of the lamps do not count.
+    /// PatchVisibility rays between patches; those of the lamps do not count.
     pub rays: u64,
-    /// Part of the initial power that has been shot, after each shot: 1 − unshot / initial, the sum of the channels.
+    /// Part of the initial power that has been shot, after each shot: 1 − unshot / initial, the sum of the
+    /// channels.
     pub convergence: Vec<f64>,
 }
 
 impl WaveletSolution {
-    /// Bounced irradiance of a point of a patch, linear RGB: all light that some patch has reflected. Without the direct light
-    /// of lamps and of patches that shine.
+    /// Bounced irradiance of a point of a patch, linear RGB: all light that some patch has reflected. Without
+    /// the direct light of lamps and of patches that shine.
     pub fn irradiance(&self, patch: usize, st: DVec2) -> Vec3 {
         self.at(patch, st)[1]
     }

@@ -2,30 +2,30 @@
 
 use super::basis::Basis;
 use super::emitter::{Emitter, Radiosity};
-use super::gather::Visibility;
-use super::patch::{PlacedPatch, SurfacePoint, WaveletPatch};
-use super::receive::Receiver;
-use super::settings::{WaveletError, WaveletSettings};
+use super::gather::PatchVisibility;
+use super::patch::{PatchPoint, PlacedPatch, WaveletPatch};
+use super::receive::PatchReceiver;
+use super::settings::{Tolerance, WaveletError, WaveletSettings};
 use super::solution::{Figures, WaveletSolution};
-use super::tree::{Arrival, Received, Tree};
+use super::tree::{Arrival, ReceivedTree, Tree};
 use crate::geometry::Surfaces;
 use crate::job::watch::Stopped;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Part of the tolerance of receivers that the quadrature over emitters has: its errors must not look like light that varies.
-const QUADRATURE_SHARE: f64 = 0.25;
 /// Points along a side of a patch at which the mean direct light is estimated.
 const DIRECT_POINTS: usize = 4;
 
 /// Bounced irradiance of patches under the direct light of lamps and their own.
 ///
-/// `direct` is the irradiance of a point with this normal from lamps, with visibility. `progress` gets the part of the power that has
-/// been shot, after each shot. The result does not depend on the number of threads.
+/// `direct` is the irradiance of a point with this normal from lamps, with visibility. `progress` gets the
+/// part of the power that has been shot, after each shot. The result does not depend on the number of
+/// threads.
 ///
-/// Of all patches the one with the most unshot power shoots to all others, and to itself if it is curved. Its own light and
-/// what it reflects are shots apart. Shots of little power may have greater errors for it: the tolerance goes with the root of
-/// the power, so that the sum of errors, if they are independent, is that of one shot with all the initial power.
+/// Of all patches the one with the most unshot power shoots to all others, and to itself if it is curved. Its
+/// own light and what it reflects are shots apart. Shots of little power may have greater errors for it: the
+/// tolerance goes with the root of the power, so that the sum of errors, if they are independent, is that of
+/// one shot with all the initial power.
 ///
 /// # Errors
 /// [`WaveletError`] for patches that make no sense, or if `progress` stops it.
@@ -39,9 +39,9 @@ pub fn solve<S: Surfaces>(
     let basis = Basis::new(settings.order);
     let patches: Vec<PlacedPatch> =
         patches.iter().enumerate().map(|(i, patch)| PlacedPatch::new(patch, i)).collect::<Result<_, _>>()?;
-    let visibility = Visibility::new(surfaces);
-    let mut scene = Scene::new(&patches, &basis, settings);
-    scene.light_directly(&|point: &SurfacePoint| {
+    let visibility = PatchVisibility::new(surfaces);
+    let mut scene = Shooting::new(&patches, &basis, settings);
+    scene.light_directly(&|point: &PatchPoint| {
         direct(point.seen_from.as_vec3(), point.seen_normal.as_vec3()).as_dvec3()
     });
     let initial = scene.unshot_power();
@@ -75,7 +75,7 @@ pub fn solve<S: Surfaces>(
 }
 
 /// Patches and what they have received.
-struct Scene<'a> {
+struct Shooting<'a> {
     patches: &'a [PlacedPatch<'a>],
     basis: &'a Basis,
     settings: &'a WaveletSettings,
@@ -88,7 +88,7 @@ struct Scene<'a> {
     area: f64,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> Shooting<'a> {
     fn new(patches: &'a [PlacedPatch<'a>], basis: &'a Basis, settings: &'a WaveletSettings) -> Self {
         let functions = basis.order().functions();
         Self {
@@ -100,6 +100,12 @@ impl<'a> Scene<'a> {
             reflection: vec![DVec3::ZERO; patches.len()],
             area: patches.iter().map(|patch| patch.real_area).sum(),
         }
+    }
+
+    /// Of irradiance, where a power, the sum of the channels, is shared out.
+    fn tolerance(&self, power: f64) -> Tolerance {
+        let relative = self.settings.epsilon;
+        Tolerance { least: relative * power / (3.0 * self.area), relative }
     }
 
     /// Power that has not been shot, the sum of the channels.
@@ -123,7 +129,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Adds what all patches have received.
-    fn merge(&mut self, received: Vec<Option<Received>>, arrival: Arrival) {
+    fn merge(&mut self, received: Vec<Option<ReceivedTree>>, arrival: Arrival) {
         for (index, received) in received.into_iter().enumerate() {
             if let Some(received) = received {
                 let patch = &self.patches[index];
@@ -134,7 +140,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The light of lamps, which the patches have yet to reflect.
-    fn light_directly(&mut self, direct: &(impl Fn(&SurfacePoint) -> DVec3 + Sync)) {
+    fn light_directly(&mut self, direct: &(impl Fn(&PatchPoint) -> DVec3 + Sync)) {
         let count = DIRECT_POINTS * DIRECT_POINTS;
         let of_patch = |patch: &PlacedPatch| {
             let mut sum = DVec3::ZERO;
@@ -148,10 +154,10 @@ impl<'a> Scene<'a> {
         let powers: Vec<DVec3> = self.patches.par_iter().map(of_patch).collect();
         let emitted: DVec3 = self.emission.iter().sum();
         let power = emitted + powers.iter().sum::<DVec3>();
-        let tolerance = self.settings.epsilon * power.element_sum() / (3.0 * self.area);
+        let tolerance = self.tolerance(power.element_sum());
         let received = self.patches.par_iter().map(|patch| {
             let (basis, settings) = (self.basis, self.settings);
-            Receiver { patch, basis, settings, light: direct, tolerance }.receive()
+            PatchReceiver { patch, basis, settings, light: direct, tolerance }.receive()
         });
         let received = received.collect();
         self.merge(received, Arrival::Lamps);
@@ -163,7 +169,7 @@ impl<'a> Scene<'a> {
         shooter: usize,
         arrival: Arrival,
         initial: f64,
-        visibility: &Visibility<S>,
+        visibility: &PatchVisibility<S>,
     ) {
         let patch = &self.patches[shooter];
         let (radiosity, power) = if arrival == Arrival::Emission {
@@ -174,22 +180,22 @@ impl<'a> Scene<'a> {
             let power = std::mem::take(&mut self.reflection[shooter]);
             (Radiosity::Reflected { albedo: patch.albedo, unshot }, power)
         };
-        let tolerance = self.settings.epsilon * (power.element_sum() * initial).sqrt() / (3.0 * self.area);
+        let tolerance = self.tolerance((power.element_sum() * initial).sqrt());
         let emitter = Emitter::new(patch, self.basis, radiosity, self.settings.max_emitter_level);
         let to = |(index, patch): (usize, &PlacedPatch)| {
             if index == shooter && patch.mesh.is_planar() {
                 return None;
             }
-            let light = |point: &SurfacePoint| {
+            let light = |point: &PatchPoint| {
                 let point = visibility.moved_before_walls(*point);
-                visibility.irradiance(&emitter, &point, QUADRATURE_SHARE * tolerance)
+                visibility.irradiance(&emitter, &point, &tolerance)
             };
             let (basis, settings) = (self.basis, self.settings);
-            let receiver = Receiver { patch, basis, settings, light, tolerance };
+            let receiver = PatchReceiver { patch, basis, settings, light, tolerance };
             let (centre, radius) = patch.ball;
             let nearest = (centre.distance(emitter.patch.ball.0) - radius).max(0.0);
             let outward = (centre - emitter.patch.ball.0).normalize_or_zero();
-            if emitter.root().bound(emitter.patch.ball.0 + nearest * outward) <= 0.5 * tolerance {
+            if emitter.root().bound(emitter.patch.ball.0 + nearest * outward) <= 0.5 * tolerance.least {
                 receiver.receive_coarsely()
             } else {
                 receiver.receive()

@@ -18,10 +18,10 @@ pub(super) enum Arrival {
     Bounced,
 }
 
-/// Irradiance that one shot gives to the square of a patch: as the decoy of Alonso et al. 2001, 5.3, it is apart from what the
-/// patch has, also where it shoots to itself.
+/// Irradiance that one shot gives to the square of a patch: as the decoy of Alonso et al. 2001, 5.3, it is
+/// apart from what the patch has, also where it shoots to itself.
 #[derive(Clone, Debug)]
-pub(super) enum Received {
+pub(super) enum ReceivedTree {
     /// On a cell.
     Cell(Box<Coefficients>),
     /// On its quarters.
@@ -30,7 +30,7 @@ pub(super) enum Received {
 
 /// A node of the tree.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct QuadtreeNode {
     /// The first of its four quarters, which lie side by side.
     children: Option<NonZeroU32>,
     coverage: Coverage,
@@ -41,7 +41,7 @@ struct Node {
 /// A quadtree.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
-    nodes: Vec<Node>,
+    nodes: Vec<QuadtreeNode>,
     /// Coefficients of a node.
     functions: usize,
     /// By node, those of [`Arrival::Emission`]; empty until some arrives.
@@ -73,7 +73,7 @@ impl Tree {
             Coverage::Plain => 1.0,
             Coverage::Boundary => mesh.real_share(corners) as f32,
         };
-        self.nodes.push(Node { children: None, coverage, share });
+        self.nodes.push(QuadtreeNode { children: None, coverage, share });
         let count = self.nodes.len() * self.functions;
         self.bounced.resize(count, Vec3::ZERO);
         self.unshot.resize(count, Vec3::ZERO);
@@ -83,7 +83,7 @@ impl Tree {
     }
 
     /// Adds what a shot gives; returns the mean over the square of its real part.
-    pub(super) fn merge(&mut self, received: &Received, arrival: Arrival, mesh: &VirtualMesh) -> DVec3 {
+    pub(super) fn merge(&mut self, received: &ReceivedTree, arrival: Arrival, mesh: &VirtualMesh) -> DVec3 {
         if arrival == Arrival::Emission {
             self.emitted.resize(self.nodes.len() * self.functions, Vec3::ZERO);
         }
@@ -94,12 +94,12 @@ impl Tree {
         &mut self,
         node: usize,
         cell: Cell,
-        received: &Received,
+        received: &ReceivedTree,
         arrival: Arrival,
         mesh: &VirtualMesh,
     ) -> DVec3 {
         match received {
-            Received::Cell(coefficients) => {
+            ReceivedTree::Cell(coefficients) => {
                 let range = node * self.functions..(node + 1) * self.functions;
                 for (sum, c) in self.unshot[range.clone()].iter_mut().zip(coefficients.iter()) {
                     *sum += c.as_vec3();
@@ -116,7 +116,7 @@ impl Tree {
                 }
                 cell.area() * f64::from(self.nodes[node].share) * coefficients[0]
             }
-            Received::Divided(quarters) => {
+            ReceivedTree::Divided(quarters) => {
                 let first = self.divide(node, cell, mesh);
                 let quarter = |quadrant: usize| (first + quadrant, cell.child(quadrant), &quarters[quadrant]);
                 let mut sum = DVec3::ZERO;
@@ -141,7 +141,8 @@ impl Tree {
         first
     }
 
-    /// Takes what has not been shot: pushed down to the leaves and pulled up again, so that each node has all of it.
+    /// Takes what has not been shot: pushed down to the leaves and pulled up again, so that each node has all
+    /// of it.
     pub(super) fn take_unshot(&mut self, basis: &Basis) -> UnshotTree {
         let mut coefficients: Vec<Coefficients> =
             self.unshot.chunks_exact(self.functions).map(widened).collect();
@@ -217,7 +218,7 @@ impl Tree {
     /// Bytes of memory.
     pub(super) fn bytes(&self) -> usize {
         let [nodes, coefficients] = self.counts();
-        nodes * size_of::<Node>() + coefficients * size_of::<Vec3>()
+        nodes * size_of::<QuadtreeNode>() + coefficients * size_of::<Vec3>()
     }
 }
 

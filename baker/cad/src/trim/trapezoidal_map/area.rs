@@ -3,9 +3,14 @@
 use super::{MonotoneEdge, TrapezoidalMap, sort_key};
 use glam::{DVec2, DVec3};
 
-/// Nodes from −1 to 1 and weights of the Gauss–Legendre rule of three nodes.
-const RULE: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// Nodes from −1 to 1 and weights of the Gauss–Legendre rule of five nodes.
+const RULE: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.0, 128.0 / 225.0),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
 
 impl TrapezoidalMap {
     /// Area in the parameter plane, by closed forms of segments and elliptic arcs. Takes O(n²) where many
@@ -33,26 +38,28 @@ impl TrapezoidalMap {
         area
     }
 
-    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where the patch spans s
-    /// slabs.
+    /// Area of the domain within a patch from the least to the greatest u and v. O(s n log n) at most where
+    /// the patch spans s slabs.
     pub fn area_within(&self, patch: [DVec2; 2]) -> f64 {
         let strip = [patch[0].y, patch[1].y];
         self.sum_within(patch, |piece, range| DVec3::X * piece.clamped_integral(range, strip)).x
     }
 
-    /// ∫ u and ∫ v over the part of the domain within a patch: the centroid times the area. Exact for segments, to a part in a
-    /// thousand for arcs.
+    /// ∫ u and ∫ v over the part of the domain within a patch: the centroid times the area. Exact for
+    /// segments, to a part in a thousand for arcs.
     pub fn moments_within(&self, patch: [DVec2; 2]) -> DVec2 {
         let [low, high] = [patch[0].y, patch[1].y];
         let below = |piece: &MonotoneEdge, [a, b]: [f64; 2]| {
             let [from, to] = piece.within([a, b], [low, high]);
             let mut sum = DVec3::ZERO;
             for [a, b] in [[a, from], [from, to], [to, b]] {
-                let half = 0.5 * (b - a);
                 for (node, weight) in RULE {
-                    let u = a + half * (1.0 + node);
+                    // u = a + (b − a) (3 x² − 2 x³): an arc's vertical ends are smooth in x.
+                    let x = 0.5 * (1.0 + node);
+                    let u = a + (b - a) * x * x * (3.0 - 2.0 * x);
+                    let weight = 0.5 * weight * 6.0 * x * (1.0 - x) * (b - a);
                     let v = piece.v_at(u).clamp(low, high);
-                    sum += half * weight * (v - low) * DVec3::new(0.0, u, 0.5 * (v + low));
+                    sum += weight * (v - low) * DVec3::new(0.0, u, 0.5 * (v + low));
                 }
             }
             sum

@@ -103,7 +103,7 @@ fn light_of_lamps_is_reflected_but_not_part_of_it() {
         flat(DVec3::Y, DVec3::NEG_Y, vec![circle(1.0)]),
     ];
     let lamp = |_: Vec3, normal: Vec3| Vec3::new(2.0, 1.0, 0.5) * normal.y.max(0.0);
-    let settings = WaveletSettings { epsilon: 0.005, ..WaveletSettings::default() };
+    let settings = WaveletSettings { epsilon: 0.002, ..WaveletSettings::default() };
     let solution = solve(&patches, &NOTHING, lamp, &settings, |_| Ok(())).unwrap();
     let found = solution.irradiance(1, patches[1].mesh.square(DVec2::ZERO));
     let expected = ALBEDO * Vec3::new(2.0, 1.0, 0.5) * 0.5;

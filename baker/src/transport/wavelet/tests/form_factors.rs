@@ -4,7 +4,7 @@ use super::*;
 use crate::transport::wavelet::{Order, WaveletError};
 
 fn exact() -> WaveletSettings {
-    WaveletSettings { epsilon: 0.005, ..WaveletSettings::default() }
+    WaveletSettings { epsilon: 0.002, ..WaveletSettings::default() }
 }
 
 /// Mean irradiance of a patch from those that shine.
@@ -41,7 +41,8 @@ fn a_disk_shines_on_a_sphere() {
     let patches =
         [shining(flat(DVec3::ZERO, DVec3::Y, vec![circle(1.0)])), sphere(distance * DVec3::Y, 0.5, false)];
     let solution = solved(&patches, &exact());
-    // From the sphere to the disk: half of the solid angle's part of a whole sphere, whatever the sphere's radius.
+    // From the sphere to the disk: half of the solid angle's part of a whole sphere, whatever the sphere's
+    // radius.
     let expected = 0.5 * (1.0 - 1.0 / (1.0 + (1.0 / distance).powi(2)).sqrt());
     let found = mean(&solution, &patches, 1);
     println!("sphere to disk: {found} and {expected}");
@@ -77,9 +78,9 @@ fn a_sphere_shines_on_a_polygon_with_a_hole() {
         let found = mean(&solution, &patches, 0);
         println!("{order:?} polygon: {found} and {expected}, worst {worst}, {:?}", solution.figures);
         assert!((found / expected - 1.0).abs() < 0.005, "{order:?}: {found} and {expected}");
-        // Of the mean irradiance of all surfaces that the oracle has; control points do not reach the rims of cells.
+        // The oracle's; control points do not reach the rims of cells.
         let area = patches.iter().map(|patch| patch.mesh.real_area()).sum::<f64>();
-        let tolerance = settings.epsilon * patches[1].mesh.area() / area;
+        let tolerance = settings.epsilon * (patches[1].mesh.area() / area + brightest);
         assert!(worst * brightest < 4.0 * tolerance, "{order:?}: {worst}");
     }
 }
@@ -93,7 +94,8 @@ fn a_disk_in_between_darkens_the_middle() {
     let settings = WaveletSettings { max_level: 6, ..exact() };
     let blocker = Blockers { disk: Some((1.0, 0.25)), ..NOTHING };
     let solution = solve(&patches, &blocker, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap();
-    // sin² of the half angles of the light and of what hides it, seen from the middle: 1 / (1 + 4) and 1 / (1 + 16).
+    // sin² of the half angles of the light and of what hides it, seen from the middle: 1 / (1 + 4) and 1 / (1
+    // + 16).
     let found = solution.irradiance_of_emitters(1, patches[1].mesh.square(DVec2::ZERO)).x;
     let expected = 1.0 / 5.0 - 1.0 / 17.0;
     println!("shadow: {found} and {expected}, {} rays", solution.figures.rays);

@@ -16,7 +16,8 @@ use rebounce_cad::virtual_mesh::VirtualMesh;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
-/// Nothing is in the way, but perhaps a disk at a height, about the y axis, or the walls of a box about the origin.
+/// Nothing is in the way, but perhaps a disk at a height, about the y axis, or the walls of a box about the
+/// origin.
 struct Blockers {
     disk: Option<(f32, f32)>,
     room: Option<Vec3>,
