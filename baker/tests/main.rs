@@ -34,4 +34,5 @@ mod size;
 mod solve;
 mod sources;
 mod spots;
+mod step;
 mod tiles;
