@@ -24,6 +24,16 @@ pub trait Elementary: Sized {
     fn arc_tangent(self) -> Self;
     /// Returns the angle of the vector (`x`, `self`) to the x axis.
     fn arc_tangent2(self, x: Self) -> Self;
+    /// Returns the hyperbolic sine.
+    fn hyperbolic_sine(self) -> Self;
+    /// Returns the hyperbolic cosine.
+    fn hyperbolic_cosine(self) -> Self;
+    /// Returns the inverse of the hyperbolic sine.
+    fn area_hyperbolic_sine(self) -> Self;
+    /// Returns the inverse of the hyperbolic cosine.
+    fn area_hyperbolic_cosine(self) -> Self;
+    /// Returns the inverse of the hyperbolic tangent.
+    fn area_hyperbolic_tangent(self) -> Self;
     /// Returns e to the power of `self`.
     fn exponential(self) -> Self;
     /// Returns 2 to the power of `self`.
@@ -75,6 +85,11 @@ elementary! {
     arc_cosine() = acosf, acos;
     arc_tangent() = atanf, atan;
     arc_tangent2(x) = atan2f, atan2;
+    hyperbolic_sine() = sinhf, sinh;
+    hyperbolic_cosine() = coshf, cosh;
+    area_hyperbolic_sine() = asinhf, asinh;
+    area_hyperbolic_cosine() = acoshf, acosh;
+    area_hyperbolic_tangent() = atanhf, atanh;
     exponential() = expf, exp;
     exponential2() = exp2f, exp2;
     logarithm() = logf, ln;
@@ -94,6 +109,11 @@ elementary! {
     arc_cosine() = acos, acos;
     arc_tangent() = atan, atan;
     arc_tangent2(x) = atan2, atan2;
+    hyperbolic_sine() = sinh, sinh;
+    hyperbolic_cosine() = cosh, cosh;
+    area_hyperbolic_sine() = asinh, asinh;
+    area_hyperbolic_cosine() = acosh, acosh;
+    area_hyperbolic_tangent() = atanh, atanh;
     exponential() = exp, exp;
     exponential2() = exp2, exp2;
     logarithm() = log, ln;

@@ -1,6 +1,7 @@
 //! Placement: an orthonormal, right-handed frame (`axis2_placement_3d`).
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Origin and axes. Unit vectors at right angles, x × y = z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,4 +49,10 @@ impl Frame {
     pub fn local_direction(&self, direction: DVec3) -> DVec3 {
         DVec3::new(direction.dot(self.x), direction.dot(self.y), direction.dot(self.z))
     }
+}
+
+/// Unit vector at an angle to the x axis, radians.
+pub(crate) fn unit(angle: f64) -> DVec2 {
+    let (sine, cosine) = angle.sine_cosine();
+    DVec2::new(cosine, sine)
 }

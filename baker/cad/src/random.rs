@@ -2,6 +2,7 @@
 
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 /// A generator.
@@ -46,7 +47,7 @@ impl SplitMix {
     /// On the unit sphere.
     pub(crate) fn direction(&mut self) -> DVec3 {
         let z = self.between(-1.0, 1.0);
-        let (sine, cosine) = self.between(0.0, TAU).sin_cos();
+        let (sine, cosine) = self.between(0.0, TAU).sine_cosine();
         ((1.0 - z * z).sqrt() * DVec2::new(cosine, sine)).extend(z)
     }
 }

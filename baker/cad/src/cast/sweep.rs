@@ -4,6 +4,7 @@
 use super::{Curve, NurbsSurface};
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::FRAC_PI_2;
 
 /// Most arcs of a turn.
@@ -28,8 +29,8 @@ pub(super) fn of_revolution(profile: &Curve, [low, high]: [f64; 2], at: DVec2) -
     let t = (at.x - low) / step - arc;
     // The rational quadratic arc with poles at 0, at the tangents' meeting, and at `step`.
     let [from, middle, to] = [(1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t];
-    let ((sine, cosine), (half_sine, half_cosine)) = (step.sin_cos(), (0.5 * step).sin_cos());
-    let angle = (middle * half_sine + to * sine).atan2(from + middle * half_cosine + to * cosine);
+    let ((sine, cosine), (half_sine, half_cosine)) = (step.sine_cosine(), (0.5 * step).sine_cosine());
+    let angle = (middle * half_sine + to * sine).arc_tangent2(from + middle * half_cosine + to * cosine);
     keeps_parameters(profile).then(|| DVec2::new(low + arc * step + angle, at.y))
 }
 
@@ -48,8 +49,8 @@ pub(super) fn revolution(frame: &Frame, profile: &Curve, [low, high]: [DVec2; 2]
     let (mut poles, mut weights) = (Vec::new(), Vec::new());
     for k in 0..=2 * arcs {
         // Between two arcs, and where the tangents of an arc's ends meet.
-        let shoulder = if k % 2 == 1 { (0.5 * step).cos() } else { 1.0 };
-        let (sine, cosine) = (low.x + 0.5 * step * k as f64).sin_cos();
+        let shoulder = if k % 2 == 1 { (0.5 * step).cosine() } else { 1.0 };
+        let (sine, cosine) = (low.x + 0.5 * step * k as f64).sine_cosine();
         for (pole, weight) in profile.poles.iter().zip(&profile.weights) {
             let p = frame.local(*pole);
             let turned = DVec2::new(cosine * p.x - sine * p.y, sine * p.x + cosine * p.y) / shoulder;

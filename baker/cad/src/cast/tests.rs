@@ -8,6 +8,7 @@ use crate::random::SplitMix;
 use crate::surface::{Ray, Surface, SurfaceHit};
 use crate::trim::TrimEdge;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 fn rectangle(low: DVec2, high: DVec2) -> Vec<TrimEdge> {
@@ -123,7 +124,7 @@ fn swept_surfaces_are_met_where_their_closed_forms_are() {
     let upright = Frame { origin: f.place(DVec3::X), x: f.x, y: f.z, z: -f.y };
     let skew = Curve::Line {
         origin: f.place(DVec3::X * 0.8),
-        direction: f.turn(DVec3::new(0.3f64.tan(), 0.0, 1.0)),
+        direction: f.turn(DVec3::new(0.3f64.tangent(), 0.0, 1.0)),
     };
     let pairs = [
         (

@@ -54,6 +54,7 @@ mod tests {
     use crate::curve::tests::every_kind;
     use crate::frame::Frame;
     use crate::random::SplitMix;
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn chords_keep_to_the_curve() {
@@ -80,7 +81,7 @@ mod tests {
     fn a_circle_has_about_the_fewest_chords() {
         let circle = Curve::Circle { frame: Frame::default(), radius: 1.0 };
         for error in [1e-2_f64, 1e-3, 1e-5] {
-            let fewest = std::f64::consts::PI / (1.0 - error).acos();
+            let fewest = std::f64::consts::PI / (1.0 - error).arc_cosine();
             let count = circle.flatten([0.0, std::f64::consts::TAU], error).len() as f64 - 1.0;
             assert!(fewest <= count && count <= 2.0 * fewest.ceil() + 4.0, "{count} for {fewest}");
         }

@@ -3,6 +3,7 @@
 use super::Curve;
 use crate::basis;
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 
 impl Curve {
     /// Points whose convex hull has in it the curve between two parameters, in any order: control points of the piece, a conic
@@ -39,9 +40,11 @@ impl Curve {
         let [middle, half] = [0.5 * (from + to), 0.5 * (to - from)];
         match self {
             Self::Circle { frame, .. } | Self::Ellipse { frame, .. } => {
-                frame.origin + (self.point(middle) - frame.origin) / half.cos()
+                frame.origin + (self.point(middle) - frame.origin) / half.cosine()
             }
-            Self::Hyperbola { frame, .. } => frame.origin + (self.point(middle) - frame.origin) / half.cosh(),
+            Self::Hyperbola { frame, .. } => {
+                frame.origin + (self.point(middle) - frame.origin) / half.hyperbolic_cosine()
+            }
             _ => self.point(from) + half * self.derivatives(from)[1],
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{Curve, NurbsCurve};
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -25,18 +26,18 @@ impl Curve {
             }
             Self::Circle { frame, .. } => {
                 let local = frame.local(place);
-                positive_angle(local.y.atan2(local.x))
+                positive_angle(local.y.arc_tangent2(local.x))
             }
             Self::Ellipse { frame, radii } => {
                 let local = frame.local(place);
                 let u = ellipse_quadrant(*radii, local.x.abs(), local.y.abs());
-                positive_angle((u.sin() * local.y.signum()).atan2(u.cos() * local.x.signum()))
+                positive_angle((u.sine() * local.y.signum()).arc_tangent2(u.cosine() * local.x.signum()))
             }
             Self::Hyperbola { frame, radii } => {
                 let local = frame.local(place);
                 let [a, b] = *radii;
-                half_line(local.y, (local.y.abs() / b).asinh(), |u| {
-                    let [sinh, cosh] = [u.sinh(), u.cosh()];
+                half_line(local.y, (local.y.abs() / b).area_hyperbolic_sine(), |u| {
+                    let [sinh, cosh] = [u.hyperbolic_sine(), u.hyperbolic_cosine()];
                     let [x, y] = [a * cosh - local.x, b * sinh - local.y.abs()];
                     let slope = (a * sinh).powi(2) + (b * cosh).powi(2) + x * a * cosh + y * b * sinh;
                     [x * a * sinh + y * b * cosh, slope]
@@ -66,8 +67,8 @@ fn positive_angle(angle: f64) -> f64 {
 /// Angle of the nearest point of an ellipse in the first quadrant.
 fn ellipse_quadrant(radii: [f64; 2], x: f64, y: f64) -> f64 {
     let [a, b] = radii;
-    rising_root([0.0, FRAC_PI_2], (y / b).atan2(x / a), |u| {
-        let (sin, cos) = u.sin_cos();
+    rising_root([0.0, FRAC_PI_2], (y / b).arc_tangent2(x / a), |u| {
+        let (sin, cos) = u.sine_cosine();
         let difference = a * a - b * b;
         let value = x * a * sin - y * b * cos - difference * sin * cos;
         [value, x * a * cos + y * b * sin - difference * (cos * cos - sin * sin)]
@@ -236,8 +237,8 @@ mod tests {
         let frame = crate::frame::Frame::default();
         let ellipse = Curve::Ellipse { frame, radii: [2.0, 1.0] };
         assert_eq!(ellipse.invert(DVec3::new(3.0, 0.0, 0.0), None), 0.0);
-        assert!((ellipse.invert(DVec3::new(0.3, 0.0, 0.0), None).cos() - 0.2).abs() < 1e-12);
-        assert!((ellipse.invert(DVec3::ZERO, None).cos()).abs() < 1e-12);
+        assert!((ellipse.invert(DVec3::new(0.3, 0.0, 0.0), None).cosine() - 0.2).abs() < 1e-12);
+        assert!((ellipse.invert(DVec3::ZERO, None).cosine()).abs() < 1e-12);
         let parabola = Curve::Parabola { frame, focal_distance: 0.25 };
         assert_eq!(parabola.invert(DVec3::new(0.2, 0.0, 0.0), None), 0.0);
         assert!((parabola.invert(DVec3::new(1.5, 0.0, 0.0), None).abs() - 2.0).abs() < 1e-12);

@@ -52,6 +52,7 @@ mod tests {
     use crate::frame::Frame;
     use crate::random::SplitMix;
     use glam::DVec3;
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn closed_forms() {
@@ -62,7 +63,7 @@ mod tests {
         assert!((line.length_between(-1.0, 1.0) - 10.0).abs() < 1e-12);
         let parabola = Curve::Parabola { frame, focal_distance: 0.5 };
         let u = 1.5_f64;
-        let exact = 0.5 * (u * (1.0 + u * u).sqrt() + u.asinh());
+        let exact = 0.5 * (u * (1.0 + u * u).sqrt() + u.area_hyperbolic_sine());
         assert!((parabola.length_between(0.0, u) - exact).abs() < 1e-12);
         let spline = Curve::Nurbs(crate::curve::nurbs::tests::circle());
         assert!((spline.length_between(0.0, 4.0) - std::f64::consts::TAU).abs() < 1e-11);

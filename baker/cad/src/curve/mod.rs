@@ -12,6 +12,7 @@ use crate::frame::Frame;
 pub use error::SplineError;
 use glam::DVec3;
 pub use nurbs::NurbsCurve;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A curve.
@@ -65,8 +66,8 @@ impl Curve {
             Self::Circle { frame, radius } => conic(frame, ellipse(*radius, *radius, u)),
             Self::Ellipse { frame, radii } => conic(frame, ellipse(radii[0], radii[1], u)),
             Self::Hyperbola { frame, radii } => {
-                let even = DVec3::new(radii[0] * u.cosh(), radii[1] * u.sinh(), 0.0);
-                let odd = DVec3::new(radii[0] * u.sinh(), radii[1] * u.cosh(), 0.0);
+                let even = DVec3::new(radii[0] * u.hyperbolic_cosine(), radii[1] * u.hyperbolic_sine(), 0.0);
+                let odd = DVec3::new(radii[0] * u.hyperbolic_sine(), radii[1] * u.hyperbolic_cosine(), 0.0);
                 conic(frame, [even, odd, even])
             }
             Self::Parabola { frame, focal_distance: f } => conic(
@@ -150,7 +151,7 @@ const MAX_TURNS: f64 = 1000.0;
 
 /// An ellipse in its own plane with its derivatives.
 fn ellipse(major: f64, minor: f64, u: f64) -> [DVec3; 3] {
-    let (sin, cos) = u.sin_cos();
+    let (sin, cos) = u.sine_cosine();
     let point = DVec3::new(major * cos, minor * sin, 0.0);
     [point, DVec3::new(-major * sin, minor * cos, 0.0), -point]
 }

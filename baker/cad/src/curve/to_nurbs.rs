@@ -2,6 +2,7 @@
 
 use super::{Curve, NurbsCurve};
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::FRAC_PI_2;
 
 /// Most arcs of a conic.
@@ -47,8 +48,8 @@ impl Curve {
     fn shoulder(&self, [from, to]: [f64; 2]) -> (DVec3, f64) {
         let half = 0.5 * (to - from);
         let weight = match self {
-            Self::Circle { .. } | Self::Ellipse { .. } => half.cos(),
-            Self::Hyperbola { .. } => half.cosh(),
+            Self::Circle { .. } | Self::Ellipse { .. } => half.cosine(),
+            Self::Hyperbola { .. } => half.hyperbolic_cosine(),
             _ => 1.0,
         };
         (self.tangents_meet(from, to), weight)

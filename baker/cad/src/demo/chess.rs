@@ -10,6 +10,7 @@ use crate::frame::Frame;
 use crate::model::{Assembly, FaceColour};
 use crate::trim::{TrimEdge, TrimLoop};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Side of a square, metres.
@@ -38,7 +39,11 @@ pub(super) fn assembly() -> Assembly {
                 let row = if is_white { 7.0 - row } else { row };
                 let at = DVec3::new(square(column as f64), 0.0, square(row));
                 // Knights look at the other side.
-                let turn = if is_white { DMat3::from_rotation_y(PI) } else { DMat3::IDENTITY };
+                let turn = if is_white {
+                    DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0))
+                } else {
+                    DMat3::IDENTITY
+                };
                 instance(&mut scene, parts[kind], name, DAffine3::from_mat3_translation(turn, at));
             }
         }
@@ -82,9 +87,9 @@ pub(super) fn chessman(kind: &str) -> (Vec<Face>, f64) {
             // A mitre: an arc about a centre beyond the axis, and a ball on its top.
             let [radius, height] = profile.end();
             let (beyond, size) = (0.006, radius + 0.0095);
-            let begin = -((beyond + radius) / size).acos();
-            let end = ((beyond + 0.0015) / size).acos();
-            let rise = -size * begin.sin();
+            let begin = -((beyond + radius) / size).arc_cosine();
+            let end = ((beyond + 0.0015) / size).arc_cosine();
+            let rise = -size * begin.sine();
             let profile = profile.arc(-beyond, height + rise, end - begin);
             ball(profile, 0.003).finish()
         }
@@ -146,7 +151,7 @@ fn collar(profile: Profile, size: f64) -> Profile {
 fn ball(profile: Profile, size: f64) -> Profile {
     let [radius, height] = profile.end();
     let rise = (size * size - radius * radius).sqrt();
-    profile.arc(0.0, height + rise, FRAC_PI_2 + rise.atan2(radius))
+    profile.arc(0.0, height + rise, FRAC_PI_2 + rise.arc_tangent2(radius))
 }
 
 /// A flat top on the profile's end, and on it an upright prism of an outline whose first edge is its foot.

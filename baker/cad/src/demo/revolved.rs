@@ -4,8 +4,10 @@ use super::loops::{circle, rectangle};
 use crate::curve::Curve;
 use crate::face::Face;
 use crate::frame::Frame;
+use crate::frame::unit;
 use crate::surface::Surface;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Share of a length that counts as rounding.
@@ -55,7 +57,7 @@ impl Profile {
                 // The other way up: cones widen along their axis.
                 (frame.y, frame.z) = (-frame.y, -frame.z);
             }
-            let half_angle = (step.x / step.y).abs().atan();
+            let half_angle = (step.x / step.y).abs().arc_tangent();
             let surface = Surface::Cone { frame, radius: narrow.x, half_angle };
             self.round(surface, [0.0, step.y.abs()], step.y < 0.0);
         }
@@ -69,7 +71,7 @@ impl Profile {
         let size = from.distance(centre);
         let begin = (from - centre).to_angle();
         let end = begin + turn;
-        self.at = centre + size * DVec2::from_angle(end);
+        self.at = centre + size * unit(end);
         // An arc that ends on the axis but for rounding ends on it.
         if self.at.x.abs() < ROUNDING * size {
             self.at.x = 0.0;
@@ -88,7 +90,7 @@ impl Profile {
         }
         // ∫ (c + ρ cos t)² ρ cos t dt.
         let integral = |t: f64| {
-            let (sin, cos) = t.sin_cos();
+            let (sin, cos) = t.sine_cosine();
             radius * radius * sin + radius * size * (t + sin * cos) + size * size * (sin - sin.powi(3) / 3.0)
         };
         self.volume += 0.5 * TAU * size * (integral(end) - integral(begin));

@@ -11,6 +11,7 @@ use crate::model::Assembly;
 use crate::surface::Surface;
 use crate::trim::TrimLoop;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Radius of the belly, a sphere, metres.
@@ -58,23 +59,23 @@ pub(super) fn assembly() -> Assembly {
 
 /// Height of the belly's centre.
 fn belly_height() -> f64 {
-    FOOT - BELLY * CUTS[0].sin()
+    FOOT - BELLY * CUTS[0].sine()
 }
 
 /// Faces of the teapot, standing on the plane y = 0, and the volume without spout and handle.
 pub(super) fn teapot() -> (Vec<Face>, f64) {
     let height = belly_height();
-    let foot = BELLY * CUTS[0].cos();
-    let lip = BELLY * CUTS[1].cos();
+    let foot = BELLY * CUTS[0].cosine();
+    let lip = BELLY * CUTS[1].cosine();
     // Hyperboloids of one sheet: waists of this share of the radius at both ends.
     let waist = |share: f64, radius: f64, tall: f64| {
-        let end = (1.0f64 / share).acosh();
-        let radii = [share * radius, 0.5 * tall / end.sinh()];
+        let end = (1.0f64 / share).area_hyperbolic_cosine();
+        let radii = [share * radius, 0.5 * tall / end.hyperbolic_sine()];
         ([-end, end], move |frame: Frame| Curve::Hyperbola { frame, radii })
     };
     let collar = 0.01;
     let (ends, hyperbola) = waist(0.96, lip, collar);
-    let top = height + BELLY * CUTS[1].sin();
+    let top = height + BELLY * CUTS[1].sine();
     let profile = Profile::about_y(0.0, 0.0).to(1.08 * foot, 0.0).to(foot, FOOT);
     let profile = profile.arc(0.0, height, CUTS[1] - CUTS[0]).curve(0.0, top + 0.5 * collar, ends, hyperbola);
     // The lid: a ring, an ellipsoid up to 4/5 of its height, the knob's stem, and the knob.
@@ -88,7 +89,7 @@ pub(super) fn teapot() -> (Vec<Face>, f64) {
     let [stem, bottom] = profile.end();
     let knob = 0.015f64;
     let below = (knob * knob - stem * stem).sqrt();
-    let profile = profile.arc(0.0, bottom + below, FRAC_PI_2 + below.atan2(stem));
+    let profile = profile.arc(0.0, bottom + below, FRAC_PI_2 + below.arc_tangent2(stem));
     let (mut faces, volume) = profile.finish();
     let spout = spout(height);
     let handle = handle(height);
@@ -106,7 +107,7 @@ pub(super) fn teapot() -> (Vec<Face>, f64) {
 
 /// Placement of the spout: at its mouth, with z back towards the belly's centre.
 fn spout_frame(height: f64) -> Frame {
-    let (sin, cos) = SPOUT_ANGLE.sin_cos();
+    let (sin, cos) = SPOUT_ANGLE.sine_cosine();
     let out = DVec3::new(cos, sin, 0.0);
     let origin = DVec3::Y * height + SPOUT[2] * out;
     Frame { origin, x: DVec3::Z, y: DVec3::Z.cross(out), z: -out }
@@ -121,7 +122,7 @@ pub(super) fn spout_length() -> f64 {
 fn spout(height: f64) -> Vec<Face> {
     let frame = spout_frame(height);
     let length = spout_length();
-    let half_angle = ((SPOUT[0] - SPOUT[1]) / length).atan();
+    let half_angle = ((SPOUT[0] - SPOUT[1]) / length).arc_tangent();
     let cone = Face {
         surface: Surface::Cone { frame, radius: SPOUT[1], half_angle },
         is_reversed: false,
@@ -136,7 +137,7 @@ fn spout(height: f64) -> Vec<Face> {
 fn spout_hole(height: f64) -> Vec<Vec<DVec3>> {
     let frame = spout_frame(height);
     let point = |k: u32| {
-        let (sin, cos) = (TAU * f64::from(k) / f64::from(INTERSECTION_POINTS)).sin_cos();
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(INTERSECTION_POINTS)).sine_cosine();
         frame.place(DVec3::new(SPOUT[0] * cos, SPOUT[0] * sin, spout_length()))
     };
     vec![(0..INTERSECTION_POINTS).map(point).collect()]

@@ -9,6 +9,7 @@ use crate::surface::Ray;
 use crate::tessellate::{self, Tessellation};
 use crate::trim::{TrapezoidalMap, TrimLoop};
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Triangles of a face, with its normals.
@@ -123,7 +124,7 @@ fn a_teapot_has_its_volume() {
     let [major, minor, distance] = teapot::HANDLE;
     // By Pappus's theorem, to the angle at which the middle of the tube enters the belly.
     let cosine = (teapot::BELLY.powi(2) - distance * distance - major * major) / (2.0 * distance * major);
-    let handle = PI * minor * minor * major * 2.0 * cosine.acos();
+    let handle = PI * minor * minor * major * 2.0 * cosine.arc_cosine();
     let expected = revolved + cone - cap + handle;
     let found = volume(&faces, 2e-5);
     assert!(handle > 0.01 * expected && cone > 0.01 * expected);
@@ -175,7 +176,7 @@ fn winding(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
         let [a, b, c] = corners.map(|corner| corner - point);
         let [x, y, z] = [a, b, c].map(DVec3::length);
         let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
-        2.0 * a.dot(b.cross(c)).atan2(below)
+        2.0 * a.dot(b.cross(c)).arc_tangent2(below)
     };
     triangles.iter().map(angle).sum::<f64>() / (2.0 * TAU)
 }

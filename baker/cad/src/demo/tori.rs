@@ -4,10 +4,12 @@ use super::loops::{circle, ellipse, polygon, quad, rectangle};
 use super::{add, coloured, instance, once};
 use crate::face::Face;
 use crate::frame::Frame;
+use crate::frame::unit;
 use crate::model::Assembly;
 use crate::surface::Surface;
 use crate::trim::TrimLoop;
-use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Major and minor radius, metres.
@@ -46,9 +48,12 @@ pub(super) fn assembly() -> Assembly {
         let placed = match turn {
             None => DAffine3::from_translation(DVec3::new(x, RADII[1], z)),
             Some(turn) => {
-                let upright = DQuat::from_rotation_y(turn) * DQuat::from_rotation_x(FRAC_PI_2);
+                // A quarter turn about x, then the turn about y.
+                let (sine, cosine) = turn.sine_cosine();
+                let [x_axis, z_axis] = [DVec3::new(cosine, 0.0, -sine), DVec3::new(sine, 0.0, cosine)];
+                let upright = DMat3::from_cols(x_axis, z_axis, DVec3::NEG_Y);
                 let rise = RADII[0] + RADII[1];
-                DAffine3::from_mat3_translation(DMat3::from_quat(upright), DVec3::new(x, rise, z))
+                DAffine3::from_mat3_translation(upright, DVec3::new(x, rise, z))
             }
         };
         instance(&mut scene, part, name.into(), placed);
@@ -71,7 +76,7 @@ fn windows() -> Vec<TrimLoop> {
             let centre =
                 DVec2::new(TAU * (f64::from(column) + shift) / 12.0, TAU * (f64::from(row) + 0.5) / 4.0);
             // Round in space, where v is 0 or π the circle about the axis is longer or shorter.
-            let circumference = RADII[0] + RADII[1] * centre.y.cos();
+            let circumference = RADII[0] + RADII[1] * centre.y.cosine();
             let size = 0.11 * RADII[1] / 0.18;
             let radii = DVec2::new((0.9 * size / circumference).min(0.22), 0.9 * size / RADII[1]);
             loops.push(ellipse(centre, radii));
@@ -104,7 +109,7 @@ fn stars() -> Vec<TrimLoop> {
         let corner = |k: u32| {
             let radii = if k.is_multiple_of(2) { DVec2::new(0.32, 1.1) } else { DVec2::new(0.14, 0.5) };
             let angle = FRAC_PI_2 + PI * f64::from(k) / 5.0;
-            centre + radii * DVec2::from_angle(angle)
+            centre + radii * unit(angle)
         };
         loops.push(polygon(&(0..10).map(corner).collect::<Vec<_>>()));
         loops.push(circle(centre, 0.08));

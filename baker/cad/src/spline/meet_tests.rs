@@ -6,6 +6,7 @@ use crate::spline::patches;
 use crate::spline::samples::{sphere, torus, wavy};
 use crate::surface::NurbsSurface;
 use glam::DVec2;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -69,7 +70,7 @@ fn grazing_rays_meet_a_sphere_twice_or_not() {
     for index in 0..4000 {
         let normal = random.direction();
         let (tangent, other) = normal.any_orthonormal_pair();
-        let (sin, cos) = random.between(0.0, TAU).sin_cos();
+        let (sin, cos) = random.between(0.0, TAU).sine_cosine();
         let direction = cos * tangent + sin * other;
         let offset = if index % 2 == 0 { 1e-7 } else { -1e-7 };
         let ray =
@@ -100,7 +101,7 @@ fn poles_seams_corners_and_tangents_are_met() {
     for _ in 0..500 {
         let direction = random.direction();
         let angle = random.between(-1.5, 1.5);
-        for target in [DVec3::X, DVec3::Y, -DVec3::X, DVec3::new(angle.cos(), 0.0, angle.sin())] {
+        for target in [DVec3::X, DVec3::Y, -DVec3::X, DVec3::new(angle.cosine(), 0.0, angle.sine())] {
             let ray = Ray { origin: 2.0 * target - 3.0 * direction, direction };
             let found = meet_all(&patches, &ray, ALL);
             assert_eq!(found.len(), 2, "{ray:?} {found:?}");
@@ -126,7 +127,7 @@ fn rays_meet_a_torus_where_its_equation_says() {
     let mut random = SplitMix(13);
     let surface = torus(3.0, 1.0);
     let patches = patches(&surface);
-    let outside = |place: DVec3| (place.truncate().length() - 3.0).hypot(place.z) - 1.0;
+    let outside = |place: DVec3| (place.truncate().length() - 3.0).hypotenuse(place.z) - 1.0;
     for _ in 0..3000 {
         let ray = Ray { origin: random.place(4.0), direction: random.direction() };
         let found = meet_all(&patches, &ray, ALL);

@@ -4,6 +4,7 @@ use crate::curve::Curve;
 use crate::frame::Frame;
 use crate::surface::{NurbsSurface, Surface};
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// What is near at a pole and at a seam, relative to the size of a surface.
@@ -41,7 +42,7 @@ impl Domain {
             Surface::Cylinder { .. } => domain.periods = [Some(TAU), None],
             Surface::Cone { frame, radius, half_angle } => {
                 domain.periods = [Some(TAU), None];
-                let value = -radius / half_angle.tan();
+                let value = -radius / half_angle.tangent();
                 domain.poles.push(Pole { axis: 1, value, place: frame.place(DVec3::new(0.0, 0.0, value)) });
             }
             Surface::Sphere { .. } => {
@@ -51,7 +52,7 @@ impl Domain {
             Surface::Torus { major, minor, .. } if minor >= major => {
                 // Where the tube meets the axis.
                 domain.periods = [Some(TAU), None];
-                domain.between_poles(surface, (-major / minor).acos());
+                domain.between_poles(surface, (-major / minor).arc_cosine());
             }
             Surface::Torus { .. } => {
                 domain.periods = [Some(TAU); 2];

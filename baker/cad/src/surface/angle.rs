@@ -1,6 +1,7 @@
 //! Angles: periods, and the range of a sinusoid.
 
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 /// Radians by which an angle may miss an interval: rounding of angles of some turns.
@@ -22,7 +23,7 @@ pub(crate) fn turn_about_axis(place: DVec3, size: f64, near: Option<DVec2>) -> f
     let from_axis = place.truncate().length();
     match near {
         Some(near) if from_axis <= 1e-12 * size.max(place.z.abs()) => near.x,
-        _ => first_turn(place.y.atan2(place.x)),
+        _ => first_turn(place.y.arc_tangent2(place.x)),
     }
 }
 
@@ -38,9 +39,9 @@ pub(crate) fn angle_within(angle: f64, [low, high]: [f64; 2]) -> Option<f64> {
 
 /// Least and greatest value of a cos t + b sin t for t in [low, high].
 pub(crate) fn sinusoid_range(a: f64, b: f64, [low, high]: [f64; 2]) -> [f64; 2] {
-    let amplitude = a.hypot(b);
-    let phase = b.atan2(a);
-    let at = |t: f64| a * t.cos() + b * t.sin();
+    let amplitude = a.hypotenuse(b);
+    let phase = b.arc_tangent2(a);
+    let at = |t: f64| a * t.cosine() + b * t.sine();
     let [first, last] = [at(low), at(high)];
     // The first angle from `low` on that is `of` but for whole turns.
     let reaches = |of: f64| of + TAU * ((low - of) / TAU).ceil() <= high;

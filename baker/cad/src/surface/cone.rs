@@ -7,10 +7,11 @@ use super::angle::{sinusoid_range, turn_about_axis};
 use super::local_ray::LocalRay;
 use super::polynomial::{Roots, quadratic};
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Point, σᵤ, σᵥ; `slope` is tan φ.
 pub(super) fn derivatives(radius: f64, slope: f64, at: DVec2) -> [DVec3; 3] {
-    let (sin, cos) = at.x.sin_cos();
+    let (sin, cos) = at.x.sine_cosine();
     let out = DVec3::new(cos, sin, 0.0);
     let here = radius + at.y * slope;
     [here * out + at.y * DVec3::Z, here * DVec3::new(-sin, cos, 0.0), slope * out + DVec3::Z]
@@ -18,9 +19,9 @@ pub(super) fn derivatives(radius: f64, slope: f64, at: DVec2) -> [DVec3; 3] {
 
 /// Unit σᵤ × σᵥ; at the apex that of the nappe of positive radius.
 pub(super) fn normal(radius: f64, slope: f64, at: DVec2) -> DVec3 {
-    let (sin, cos) = at.x.sin_cos();
+    let (sin, cos) = at.x.sine_cosine();
     let side = if radius + at.y * slope < 0.0 { -1.0 } else { 1.0 };
-    DVec3::new(cos, sin, -slope) * (side / 1f64.hypot(slope))
+    DVec3::new(cos, sin, -slope) * (side / 1f64.hypotenuse(slope))
 }
 
 /// Parameters of the nearest point; on the axis u is that of `near`.
@@ -70,5 +71,5 @@ pub(super) fn area(radius: f64, slope: f64, [low, high]: [DVec2; 2]) -> f64 {
     } else {
         0.5 * (from * from + to * to) / slope
     };
-    (high.x - low.x) * mean_times_height * 1f64.hypot(slope)
+    (high.x - low.x) * mean_times_height * 1f64.hypotenuse(slope)
 }

@@ -5,10 +5,11 @@ use super::cone;
 use super::local_ray::LocalRay;
 use super::polynomial::Roots;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Point, σᵤ, σᵥ.
 pub(super) fn derivatives(radius: f64, at: DVec2) -> [DVec3; 3] {
-    let (sin, cos) = at.x.sin_cos();
+    let (sin, cos) = at.x.sine_cosine();
     let out = DVec3::new(cos, sin, 0.0);
     [radius * out + at.y * DVec3::Z, radius * DVec3::new(-sin, cos, 0.0), DVec3::Z]
 }

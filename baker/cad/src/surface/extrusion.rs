@@ -3,6 +3,7 @@
 use crate::curve::{Curve, NurbsCurve};
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::FRAC_PI_4;
 
 /// Of the size of what is compared: so much is rounding.
@@ -61,8 +62,8 @@ fn seen(profile: &Curve, flat: impl Fn(DVec3) -> DVec3) -> Option<(Curve, [f64; 
     };
     let turned = |frame: &Frame, [a, b]: [f64; 2]| {
         let [a, b] = [flat(a * frame.x), flat(b * frame.y)];
-        let shift = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
-        let (sin, cos) = shift.sin_cos();
+        let shift = 0.5 * (2.0 * a.dot(b)).arc_tangent2(a.length_squared() - b.length_squared());
+        let (sin, cos) = shift.sine_cosine();
         let [a, b] = [cos * a + sin * b, cos * b - sin * a];
         let frame = axes(frame.origin, a, b)?;
         Some((Curve::Ellipse { frame, radii: [a.length(), b.length()] }, [1.0, shift]))
@@ -79,8 +80,9 @@ fn seen(profile: &Curve, flat: impl Fn(DVec3) -> DVec3) -> Option<(Curve, [f64; 
         Curve::Ellipse { frame, radii } => turned(frame, *radii),
         Curve::Hyperbola { frame, radii } => {
             let [a, b] = [flat(radii[0] * frame.x), flat(radii[1] * frame.y)];
-            let shift = 0.5 * (-2.0 * a.dot(b) / (a.length_squared() + b.length_squared())).atanh();
-            let [sinh, cosh] = [shift.sinh(), shift.cosh()];
+            let shift =
+                0.5 * (-2.0 * a.dot(b) / (a.length_squared() + b.length_squared())).area_hyperbolic_tangent();
+            let [sinh, cosh] = [shift.hyperbolic_sine(), shift.hyperbolic_cosine()];
             let [a, b] = [cosh * a + sinh * b, sinh * a + cosh * b];
             let frame = axes(frame.origin, a, b)?;
             Some((Curve::Hyperbola { frame, radii: [a.length(), b.length()] }, [1.0, shift]))
@@ -177,7 +179,7 @@ pub(crate) mod tests {
         let profile = Curve::Circle { frame, radius: 0.7 };
         for _ in 0..100 {
             let at = DVec2::new(numbers.between(0.0, 6.2), numbers.between(-3.0, 3.0));
-            let radial = at.x.cos() * frame.x + at.x.sin() * frame.y;
+            let radial = at.x.cosine() * frame.x + at.x.sine() * frame.y;
             let [point, du, dv] = derivatives(&profile, frame.z, at);
             assert!(point.distance(frame.origin + 0.7 * radial + at.y * frame.z) < 1e-14);
             assert!(du.distance(0.7 * frame.z.cross(radial)) < 1e-14 && dv == frame.z);

@@ -24,6 +24,7 @@ use angle::{angle_within, near_angle};
 use glam::{DVec2, DVec3};
 use local_ray::LocalRay;
 pub use nurbs::NurbsSurface;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 pub use surface_hits::SurfaceHits;
 
@@ -126,7 +127,7 @@ impl Surface {
             Self::Plane(frame) => (frame, plane::derivatives(at)),
             Self::Cylinder { frame, radius } => (frame, cylinder::derivatives(*radius, at)),
             Self::Cone { frame, radius, half_angle } => {
-                (frame, cone::derivatives(*radius, half_angle.tan(), at))
+                (frame, cone::derivatives(*radius, half_angle.tangent(), at))
             }
             Self::Sphere { frame, radius } => (frame, sphere::derivatives(*radius, at)),
             Self::Torus { frame, major, minor } => (frame, torus::derivatives(*major, *minor, at)),
@@ -143,9 +144,9 @@ impl Surface {
     pub fn normal(&self, at: DVec2) -> DVec3 {
         match self {
             Self::Plane(frame) => frame.z,
-            Self::Cylinder { frame, .. } => frame.turn(DVec3::new(at.x.cos(), at.x.sin(), 0.0)),
+            Self::Cylinder { frame, .. } => frame.turn(DVec3::new(at.x.cosine(), at.x.sine(), 0.0)),
             Self::Cone { frame, radius, half_angle } => {
-                frame.turn(cone::normal(*radius, half_angle.tan(), at))
+                frame.turn(cone::normal(*radius, half_angle.tangent(), at))
             }
             Self::Sphere { frame, .. } => frame.turn(sphere::normal(at)),
             Self::Torus { frame, .. } => frame.turn(torus::normal(at)),
@@ -198,7 +199,7 @@ impl Surface {
     fn invert_local(&self, place: DVec3, near: Option<DVec2>) -> DVec2 {
         match self {
             Self::Cylinder { radius, .. } => cylinder::invert(*radius, place, near),
-            Self::Cone { radius, half_angle, .. } => cone::invert(*radius, half_angle.tan(), place, near),
+            Self::Cone { radius, half_angle, .. } => cone::invert(*radius, half_angle.tangent(), place, near),
             Self::Sphere { radius, .. } => sphere::invert(*radius, place, near),
             Self::Torus { major, minor, .. } => torus::invert(*major, *minor, place, near),
             _ => plane::invert(place),
@@ -237,7 +238,7 @@ impl Surface {
         let Some(ray) = LocalRay::new(ray, frame, centre) else { return true };
         let roots = match self {
             Self::Cylinder { radius, .. } => cylinder::roots(*radius, &ray),
-            Self::Cone { radius, half_angle, .. } => cone::roots(*radius, half_angle.tan(), &ray),
+            Self::Cone { radius, half_angle, .. } => cone::roots(*radius, half_angle.tangent(), &ray),
             Self::Sphere { radius, .. } => sphere::roots(*radius, &ray),
             Self::Torus { major, minor, .. } => torus::roots(*major, *minor, &ray),
             _ => plane::roots(&ray),
@@ -280,7 +281,7 @@ impl Surface {
             match self {
                 Self::Cylinder { radius, .. } => cylinder::extent(*radius, direction, patch),
                 Self::Cone { radius, half_angle, .. } => {
-                    cone::extent(*radius, half_angle.tan(), direction, patch)
+                    cone::extent(*radius, half_angle.tangent(), direction, patch)
                 }
                 Self::Sphere { radius, .. } => sphere::extent(*radius, direction, patch),
                 Self::Torus { major, minor, .. } => torus::extent(*major, *minor, direction, patch),
@@ -300,7 +301,7 @@ impl Surface {
         match self {
             Self::Plane(_) => sides.x * sides.y,
             Self::Cylinder { radius, .. } => radius * sides.x * sides.y,
-            Self::Cone { radius, half_angle, .. } => cone::area(*radius, half_angle.tan(), patch),
+            Self::Cone { radius, half_angle, .. } => cone::area(*radius, half_angle.tangent(), patch),
             Self::Sphere { radius, .. } => sphere::area(*radius, patch),
             Self::Torus { major, minor, .. } => torus::area(*major, *minor, patch),
             Self::Revolution { .. } | Self::Extrusion { .. } | Self::Nurbs(_) => area::integral(self, patch),

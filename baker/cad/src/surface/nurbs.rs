@@ -168,6 +168,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix;
     use crate::spline::samples::{sphere, torus, wavy};
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn a_sphere_and_a_torus_are_exact() {
@@ -179,7 +180,7 @@ mod tests {
             let at = DVec2::new(random.between(0.0, 4.0), random.between(0.0, 2.0));
             assert!((ball.derivatives(at)[0].length() - 2.0).abs() < 1e-12);
             let place = ring.derivatives(DVec2::new(at.x, 2.0 * at.y))[0];
-            assert!(((place.truncate().length() - 3.0).hypot(place.z) - 1.0).abs() < 1e-12);
+            assert!(((place.truncate().length() - 3.0).hypotenuse(place.z) - 1.0).abs() < 1e-12);
         }
     }
 

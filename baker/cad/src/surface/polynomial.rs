@@ -104,6 +104,7 @@ pub(crate) fn root_between(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn quadratic_keeps_the_small_root() {
@@ -142,7 +143,7 @@ mod tests {
     #[test]
     fn root_between_survives_flat_functions() {
         // Newton alone flies off from the flanks of an arctangent, and creeps to a root of order 9.
-        let arctangent = |s: f64| ((s - 0.3).atan(), 1.0 / (1.0 + (s - 0.3).powi(2)));
+        let arctangent = |s: f64| ((s - 0.3).arc_tangent(), 1.0 / (1.0 + (s - 0.3).powi(2)));
         let root = root_between(arctangent, [-1e3, 1e4], 1e-15).unwrap();
         assert!((root - 0.3).abs() < 1e-13);
         let flat = |s: f64| ((s - 0.3).powi(9), 9.0 * (s - 0.3).powi(8));

@@ -4,6 +4,7 @@ use super::extrusion::{gauss_newton, nearest_of, padded};
 use crate::curve::Curve;
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// Of the size of what is compared: a place so near to the axis is on it, a profile so near to a plane in it.
@@ -24,8 +25,8 @@ pub fn derivatives(frame: &Frame, profile: &Curve, at: DVec2) -> [DVec3; 3] {
 /// axis: that at eight angles, or `near`, then Gauss-Newton steps in u and v.
 pub fn invert(frame: &Frame, profile: &Curve, place: DVec3, near: Option<DVec2>) -> DVec2 {
     let local = frame.local(place);
-    let radius = local.x.hypot(local.y);
-    let angle = local.y.atan2(local.x);
+    let radius = local.x.hypotenuse(local.y);
+    let angle = local.y.arc_tangent2(local.x);
     let near_v = near.map(|near| near.y);
     let plane = half_plane(frame, profile);
     let [first, step, count] = match plane {
@@ -35,7 +36,7 @@ pub fn invert(frame: &Frame, profile: &Curve, place: DVec3, near: Option<DVec2>)
     let is_on_axis = radius <= ROUNDING * local.length();
     let candidates = (0..count as u32).map(|i| {
         let direction = first + step * f64::from(i);
-        let there = DVec3::new(radius * direction.cos(), radius * direction.sin(), local.z);
+        let there = DVec3::new(radius * direction.cosine(), radius * direction.sine(), local.z);
         let v = profile.invert(frame.place(there), near_v);
         let u = match (near, is_on_axis) {
             (Some(near), true) => near.x,
@@ -91,8 +92,8 @@ pub fn bounds(frame: &Frame, profile: &Curve, patch: [DVec2; 2]) -> [DVec3; 2] {
         let mut corners = [at(low).min(at(high)), at(low).max(at(high))];
         let centre = frame.place(DVec3::new(0.0, 0.0, local.z));
         for axis in 0..3 {
-            let amplitude = cosine[axis].hypot(sine[axis]);
-            let phase = sine[axis].atan2(cosine[axis]);
+            let amplitude = cosine[axis].hypotenuse(sine[axis]);
+            let phase = sine[axis].arc_tangent2(cosine[axis]);
             if passes(phase, low, high) {
                 corners[1][axis] = centre[axis] + amplitude;
             }
@@ -116,7 +117,7 @@ fn nearest_turn(angle: f64) -> f64 {
 
 /// Turned about the z axis.
 fn turned(local: DVec3, angle: f64) -> DVec3 {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = angle.sine_cosine();
     DVec3::new(local.x * cos - local.y * sin, local.x * sin + local.y * cos, local.z)
 }
 
@@ -127,9 +128,9 @@ fn half_plane(frame: &Frame, profile: &Curve) -> Option<f64> {
         Curve::Nurbs(spline) => spline.poles.iter().map(|pole| frame.local(*pole)).collect(),
         _ => [-1.0, -0.3, 0.0, 0.6, 1.0].iter().map(|u| frame.local(profile.point(*u))).collect(),
     };
-    let far = points.iter().copied().max_by(|a, b| a.x.hypot(a.y).total_cmp(&b.x.hypot(b.y)))?;
-    let angle = far.y.atan2(far.x);
-    let (sin, cos) = angle.sin_cos();
+    let far = points.iter().copied().max_by(|a, b| a.x.hypotenuse(a.y).total_cmp(&b.x.hypotenuse(b.y)))?;
+    let angle = far.y.arc_tangent2(far.x);
+    let (sin, cos) = angle.sine_cosine();
     let size = points.iter().map(|point| point.length()).fold(0.0, f64::max);
     points.iter().all(|point| (point.y * cos - point.x * sin).abs() <= ROUNDING * size).then_some(angle)
 }
@@ -156,7 +157,7 @@ mod tests {
         };
         for _ in 0..100 {
             let at = DVec2::new(numbers.between(0.0, 6.2), numbers.between(-1.0, 3.0));
-            let radial = at.x.cos() * frame.x + at.x.sin() * frame.y;
+            let radial = at.x.cosine() * frame.x + at.x.sine() * frame.y;
             let [point, du, dv] = derivatives(&frame, &profile, at);
             let across = radius + at.y * slope;
             assert!(point.distance(frame.origin + across * radial + at.y * frame.z) < 1e-14);
@@ -189,7 +190,7 @@ mod tests {
             let at = DVec2::new(numbers.between(0.0, TAU), numbers.between(0.0, TAU));
             let place = derivatives(&frame, &profile, at)[0];
             let near = at + DVec2::new(numbers.between(-0.5, 0.5), numbers.between(-0.5, 0.5));
-            let is_at_pole = at.y.cos().abs() < 0.5;
+            let is_at_pole = at.y.cosine().abs() < 0.5;
             assert!(is_at_pole || invert(&frame, &profile, place, Some(near)).distance(at) < 1e-12);
             assert!((place.distance(frame.origin) - 1.5).abs() < 1e-14);
         }

@@ -5,11 +5,12 @@ use super::local_ray::LocalRay;
 use super::polynomial::{Roots, quadratic};
 use super::torus;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Point, σᵤ, σᵥ.
 pub(super) fn derivatives(radius: f64, at: DVec2) -> [DVec3; 3] {
-    let (sin_u, cos_u) = at.x.sin_cos();
-    let (sin_v, cos_v) = at.y.sin_cos();
+    let (sin_u, cos_u) = at.x.sine_cosine();
+    let (sin_v, cos_v) = at.y.sine_cosine();
     let out = DVec3::new(cos_u, sin_u, 0.0);
     [
         radius * (cos_v * out + sin_v * DVec3::Z),
@@ -28,7 +29,7 @@ pub(super) fn invert(radius: f64, place: DVec3, near: Option<DVec2>) -> DVec2 {
     let u = turn_about_axis(place, radius, near);
     let v = match near {
         Some(near) if place.length() <= 1e-12 * radius => near.y,
-        _ => place.z.atan2(place.truncate().length()),
+        _ => place.z.arc_tangent2(place.truncate().length()),
     };
     DVec2::new(u, v)
 }
@@ -49,6 +50,6 @@ pub(super) fn extent(radius: f64, direction: DVec3, patch: [DVec2; 2]) -> [f64; 
 /// Area of a patch.
 pub(super) fn area(radius: f64, [low, high]: [DVec2; 2]) -> f64 {
     // sin b − sin a, without cancellation.
-    let rise = 2.0 * (0.5 * (low.y + high.y)).cos() * (0.5 * (high.y - low.y)).sin();
+    let rise = 2.0 * (0.5 * (low.y + high.y)).cosine() * (0.5 * (high.y - low.y)).sine();
     radius * radius * (high.x - low.x) * rise.abs()
 }

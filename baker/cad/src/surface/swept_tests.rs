@@ -4,6 +4,7 @@ use super::Surface;
 use crate::curve::Curve;
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 fn frame() -> Frame {
     Frame::new(DVec3::new(0.3, -1.0, 2.0), DVec3::new(1.0, 2.0, -0.5), DVec3::X).unwrap()
@@ -25,7 +26,7 @@ fn pairs() -> Vec<(Surface, Surface, [DVec2; 2])> {
         (
             Surface::Revolution {
                 frame: f,
-                profile: line(DVec3::X * 2.0, DVec3::new(slope.tan(), 0.0, 1.0)),
+                profile: line(DVec3::X * 2.0, DVec3::new(slope.tangent(), 0.0, 1.0)),
             },
             Surface::Cone { frame: f, radius: 2.0, half_angle: slope },
             patch,

@@ -6,6 +6,7 @@ use super::angle::{first_turn, near_angle, sinusoid_range, turn_about_axis};
 use super::local_ray::LocalRay;
 use super::polynomial::{Roots, depressed_cubic, root_between};
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 /// By how much the box about the torus is wider than it, a fraction of R + r: its ends are outside whatever rounding does.
@@ -13,8 +14,8 @@ const MARGIN: f64 = 1e-9;
 
 /// Point, σᵤ, σᵥ.
 pub(super) fn derivatives(major: f64, minor: f64, at: DVec2) -> [DVec3; 3] {
-    let (sin_u, cos_u) = at.x.sin_cos();
-    let (sin_v, cos_v) = at.y.sin_cos();
+    let (sin_u, cos_u) = at.x.sine_cosine();
+    let (sin_v, cos_v) = at.y.sine_cosine();
     let out = DVec3::new(cos_u, sin_u, 0.0);
     let radius = major + minor * cos_v;
     [
@@ -35,10 +36,10 @@ pub(super) fn invert(major: f64, minor: f64, place: DVec3, near: Option<DVec2>) 
     let from_circle = DVec2::new(place.truncate().length() - major, place.z);
     let v = match near {
         Some(near) if from_circle.length() <= 1e-12 * (major + minor) => near.y,
-        _ => from_circle.y.atan2(from_circle.x),
+        _ => from_circle.y.arc_tangent2(from_circle.x),
     };
     if major < minor {
-        let pole = (-major / minor).acos();
+        let pole = (-major / minor).arc_cosine();
         return DVec2::new(u, near_angle(v, 0.0).clamp(-pole, pole));
     }
     DVec2::new(u, first_turn(v))
@@ -110,12 +111,12 @@ pub(super) fn extent(major: f64, minor: f64, direction: DVec3, [low, high]: [DVe
 pub(super) fn area(major: f64, minor: f64, [low, high]: [DVec2; 2]) -> f64 {
     let band = |from: f64, to: f64| {
         // sin b − sin a, without cancellation.
-        let rise = 2.0 * (0.5 * (from + to)).cos() * (0.5 * (to - from)).sin();
+        let rise = 2.0 * (0.5 * (from + to)).cosine() * (0.5 * (to - from)).sine();
         if to > from { major * (to - from) + minor * rise } else { 0.0 }
     };
     let bands = if major < minor {
         // The outer part comes again with each turn.
-        let pole = (-major / minor).acos();
+        let pole = (-major / minor).arc_cosine();
         let first = TAU * ((low.y + pole) / TAU).floor();
         let part = |middle: f64| band(low.y.max(middle - pole), high.y.min(middle + pole));
         part(first) + part(first + TAU)

@@ -2,6 +2,7 @@
 
 use crate::trim::{TrapezoidalMap, TrimEdge, TrimError, TrimLoop};
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use spade::{
     ConstrainedDelaunayTriangulation, InsertionError, Point2, PositionInTriangulation, Triangulation,
 };
@@ -222,7 +223,7 @@ impl<'a, S: Fn(DVec2) -> DVec3> Mesh<'a, S> {
     fn new(surface: &'a S, scale: DVec2, [low, high]: [DVec2; 2]) -> Self {
         let plane = ConstrainedDelaunayTriangulation::new();
         let size = (scale * (high - low)).max_element();
-        let grid = if size.is_normal() { size.log2().floor().exp2() * GRID } else { 1.0 };
+        let grid = if size.is_normal() { size.log2().floor().exponential2() * GRID } else { 1.0 };
         Self { surface, scale, grid, plane, parameters: Vec::new(), positions: Vec::new() }
     }
 

@@ -3,6 +3,7 @@
 use super::{TessellateError, Tessellation, face, outline};
 use crate::trim::{TrapezoidalMap, TrimEdge, TrimLoop};
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -20,16 +21,16 @@ fn plane(at: DVec2) -> DVec3 {
 }
 
 fn cylinder(at: DVec2) -> DVec3 {
-    DVec3::new(at.x.cos(), at.x.sin(), at.y)
+    DVec3::new(at.x.cosine(), at.x.sine(), at.y)
 }
 
 fn sphere(at: DVec2) -> DVec3 {
-    DVec3::new(at.y.cos() * at.x.cos(), at.y.cos() * at.x.sin(), at.y.sin())
+    DVec3::new(at.y.cosine() * at.x.cosine(), at.y.cosine() * at.x.sine(), at.y.sine())
 }
 
 /// A sine wave: its chord from a zero to the next but one crosses it in the middle.
 fn wave(at: DVec2) -> DVec3 {
-    DVec3::new(at.x, at.y, 0.1 * (TAU * at.x).sin())
+    DVec3::new(at.x, at.y, 0.1 * (TAU * at.x).sine())
 }
 
 fn tessellated(loops: &[TrimLoop], surface: &impl Fn(DVec2) -> DVec3, chord_error: f64) -> Tessellation {
@@ -131,7 +132,7 @@ fn curved_faces_keep_the_chord_error() {
 
         let sheet = [rectangle(DVec2::ZERO, DVec2::ONE)];
         let mesh = tessellated(&sheet, &wave, error);
-        let greatest = greatest_error(&mesh, |at| at.z - 0.1 * (TAU * at.x).sin());
+        let greatest = greatest_error(&mesh, |at| at.z - 0.1 * (TAU * at.x).sine());
         assert!(greatest < 2.0 * error, "{greatest}");
     }
 }

@@ -8,6 +8,7 @@
 //! [`TrapezoidalMap`] cuts curves into pieces ([`piece`]) between slabs, also where they cross ([`crossing`]).
 
 use glam::DVec2;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 mod crossing;
@@ -83,7 +84,7 @@ impl TrimEdge {
                 // The sagitta of a step s of angle is at most r (1 - cos s/2), of which the affine map to the circle of radius
                 // r, the larger one, is the worst case.
                 let cosine = (1.0 - chord_error.max(0.0) / radii.max_element()).max(-1.0);
-                let longest = (2.0 * cosine.acos()).clamp(1e-3, FRAC_PI_2);
+                let longest = (2.0 * cosine.arc_cosine()).clamp(1e-3, FRAC_PI_2);
                 let steps = ((b - a).abs().min(TAU) / longest).ceil().max(1.0) as u32;
                 let (low, high) = (a.min(b), a.max(b));
                 let point = |i: u32| {
@@ -110,7 +111,7 @@ fn ellipse_point(centre: DVec2, radii: DVec2, angle: f64) -> DVec2 {
             _ => DVec2::NEG_Y,
         }
     } else {
-        DVec2::new(angle.cos(), angle.sin())
+        DVec2::new(angle.cosine(), angle.sine())
     };
     centre + radii * unit
 }

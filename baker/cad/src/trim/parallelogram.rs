@@ -1,7 +1,9 @@
 //! Smallest enclosing parallelogram.
 
 use super::{TrimEdge, TrimLoop};
+use crate::frame::unit;
 use glam::{DMat2, DVec2};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 /// Points of an arc, of which the parallelogram's directions are found.
@@ -75,10 +77,10 @@ fn extrema(edge: &TrimEdge, directions: [DVec2; 2]) -> Vec<DVec2> {
     let mut points = Vec::new();
     for direction in directions {
         let normal = direction.perp() * radii;
-        let angle = normal.y.atan2(normal.x);
+        let angle = normal.y.arc_tangent2(normal.x);
         for angle in [angle, angle + PI] {
             if low + (angle - low).rem_euclid(TAU) <= high {
-                points.push(centre + radii * DVec2::from_angle(angle));
+                points.push(centre + radii * unit(angle));
             }
         }
     }

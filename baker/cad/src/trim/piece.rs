@@ -2,6 +2,7 @@
 
 use super::{QUADRANT_TOLERANCE, TrimEdge, ellipse_point};
 use glam::DVec2;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::FRAC_PI_2;
 
 /// The graph of a monotonic function v(u). Whichever way an edge goes, and whatever else crosses it, its pieces are the same
@@ -46,7 +47,7 @@ pub(super) fn cut(edge: &TrimEdge, pieces: &mut Vec<MonotoneEdge>, verticals: &m
             loop {
                 let extremum = quarter * FRAC_PI_2;
                 let end = if extremum < high - QUADRANT_TOLERANCE { extremum } else { high };
-                let is_upper = (0.5 * (begin + end)).sin() > 0.0;
+                let is_upper = (0.5 * (begin + end)).sine() > 0.0;
                 let radii = if is_upper { radii } else { DVec2::new(radii.x, -radii.y) };
                 let at = |angle| ellipse_point(centre, radii.abs(), angle);
                 push(at(begin), at(end), EdgeCurve::Arc { centre, radii }, pieces, verticals);
@@ -109,7 +110,7 @@ impl MonotoneEdge {
             EdgeCurve::Arc { centre, radii } => {
                 let antiderivative = |u: f64| {
                     let x = ((u - centre.x) / radii.x).clamp(-1.0, 1.0);
-                    0.5 * radii.x * radii.y * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.asin())
+                    0.5 * radii.x * radii.y * (x * ((1.0 - x) * (1.0 + x)).sqrt() + x.arc_sine())
                 };
                 (centre.y - origin) * (b - a) + antiderivative(b) - antiderivative(a)
             }

@@ -3,6 +3,7 @@
 use super::{Coverage, TrapezoidalMap, TrimEdge, TrimError, TrimLoop};
 use crate::random::SplitMix;
 use glam::DVec2;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn polygon(points: &[DVec2]) -> TrimLoop {
@@ -143,7 +144,7 @@ fn domains() -> Vec<(&'static str, Vec<TrimLoop>, Option<f64>)> {
         ),
     ];
     let gon: Vec<DVec2> = (0..10_000).map(|i| DVec2::from_angle(TAU * f64::from(i) / 1e4)).collect();
-    all.push(("10,000-gon", vec![polygon(&gon)], Some(5000.0 * (TAU / 1e4).sin())));
+    all.push(("10,000-gon", vec![polygon(&gon)], Some(5000.0 * (TAU / 1e4).sine())));
     for count in [5, 40, 300] {
         let outer = star(r, o, 1.0, count);
         let holes = [p(-0.2, 0.0), p(0.2, 0.1)].map(|at| star(r, at, 0.15, count));
@@ -191,11 +192,11 @@ fn is_within(loops: &[TrimLoop], at: DVec2) -> bool {
             TrimEdge::Arc { centre, radii, angles } => {
                 let sine = (at.y - centre.y) / radii.y;
                 if sine.abs() < 1.0 {
-                    for angle in [sine.asin(), PI - sine.asin()] {
+                    for angle in [sine.arc_sine(), PI - sine.arc_sine()] {
                         let begin = angles[0].min(angles[1]);
                         let turned = begin + (angle - begin).rem_euclid(TAU);
                         let is_on = turned < angles[0].max(angles[1]);
-                        crossings += usize::from(is_on && centre.x + radii.x * angle.cos() > at.x);
+                        crossings += usize::from(is_on && centre.x + radii.x * angle.cosine() > at.x);
                     }
                 }
             }

@@ -3,6 +3,7 @@
 
 use super::cumulative::Cumulative;
 use super::root::root;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::FRAC_PI_2;
 
 /// G with G′ = g, a density that is not negative within the limits. Beyond them the parameter is clamped.
@@ -102,11 +103,11 @@ impl Antiderivative {
         match &self.form {
             Form::Constant { density } => density * t,
             Form::Linear { constant, slope, side } => side * t * (constant + 0.5 * slope * t),
-            Form::Kepler { mean, amplitude, phase } => mean * t + amplitude * (t + phase).sin(),
+            Form::Kepler { mean, amplitude, phase } => mean * t + amplitude * (t + phase).sine(),
             Form::Conic { substitution, scale, constant, square } => {
                 scale * root_integral(*constant, *square, substitution.forward(t))
             }
-            Form::Parabola { scale, side } => side * scale / 3.0 * (1.0 + t * t).powf(1.5),
+            Form::Parabola { scale, side } => side * scale / 3.0 * (1.0 + t * t).power(1.5),
             Form::Table(table) => table.value(t),
         }
     }
@@ -133,8 +134,8 @@ impl Antiderivative {
                 let bracket = if mean.abs() > 1e-12 * amplitude.abs() { bracket } else { [low, high] };
                 let start = 0.5 * (bracket[0] + bracket[1]);
                 root(bracket, start, |t| {
-                    let excess = mean * t + amplitude * (t + phase).sin() - value;
-                    (excess, mean + amplitude * (t + phase).cos())
+                    let excess = mean * t + amplitude * (t + phase).sine() - value;
+                    (excess, mean + amplitude * (t + phase).cosine())
                 })
             }
             Form::Conic { substitution, scale, constant, square } => {
@@ -155,7 +156,7 @@ impl Antiderivative {
                 }))
             }
             Form::Parabola { scale, side } => {
-                side * ((3.0 * side * value / scale).max(1.0).powf(2.0 / 3.0) - 1.0).max(0.0).sqrt()
+                side * ((3.0 * side * value / scale).max(1.0).power(2.0 / 3.0) - 1.0).max(0.0).sqrt()
             }
             Form::Table(table) => table.inverse(value),
         };
@@ -166,17 +167,17 @@ impl Antiderivative {
 impl Substitution {
     fn forward(self, t: f64) -> f64 {
         match self {
-            Self::Sine { base } => (t - base).clamp(-FRAC_PI_2, FRAC_PI_2).sin(),
-            Self::HyperbolicSine => t.sinh(),
-            Self::HyperbolicCosine { side } => side * t.cosh(),
+            Self::Sine { base } => (t - base).clamp(-FRAC_PI_2, FRAC_PI_2).sine(),
+            Self::HyperbolicSine => t.hyperbolic_sine(),
+            Self::HyperbolicCosine { side } => side * t.hyperbolic_cosine(),
         }
     }
 
     fn backward(self, w: f64) -> f64 {
         match self {
-            Self::Sine { base } => base + w.clamp(-1.0, 1.0).asin(),
-            Self::HyperbolicSine => w.asinh(),
-            Self::HyperbolicCosine { side } => side * (side * w).max(1.0).acosh(),
+            Self::Sine { base } => base + w.clamp(-1.0, 1.0).arc_sine(),
+            Self::HyperbolicSine => w.area_hyperbolic_sine(),
+            Self::HyperbolicCosine { side } => side * (side * w).max(1.0).area_hyperbolic_cosine(),
         }
     }
 }
@@ -187,13 +188,13 @@ fn root_integral(a: f64, b: f64, w: f64) -> f64 {
     // ∫ dw / √(a + b w²).
     let rest = if a < 0.0 {
         let beyond = (b.sqrt() * w.abs() + root) / (-a).sqrt();
-        beyond.ln().copysign(w) / b.sqrt()
+        beyond.logarithm().copysign(w) / b.sqrt()
     } else if b == 0.0 {
         w / a.sqrt()
     } else if b > 0.0 {
-        (w * (b / a).sqrt()).asinh() / b.sqrt()
+        (w * (b / a).sqrt()).area_hyperbolic_sine() / b.sqrt()
     } else {
-        (w * (-b / a).sqrt()).clamp(-1.0, 1.0).asin() / (-b).sqrt()
+        (w * (-b / a).sqrt()).clamp(-1.0, 1.0).arc_sine() / (-b).sqrt()
     };
     0.5 * (w * root + a * rest)
 }
@@ -208,12 +209,14 @@ mod tests {
         match *form {
             Form::Constant { density } => density,
             Form::Linear { constant, slope, side } => side * (constant + slope * t),
-            Form::Kepler { mean, amplitude, phase } => mean + amplitude * (t + phase).cos(),
+            Form::Kepler { mean, amplitude, phase } => mean + amplitude * (t + phase).cosine(),
             Form::Conic { substitution, scale, constant, square } => {
                 let [w, speed] = match substitution {
-                    Substitution::Sine { base } => [(t - base).sin(), (t - base).cos()],
-                    Substitution::HyperbolicSine => [t.sinh(), t.cosh()],
-                    Substitution::HyperbolicCosine { side } => [t.cosh(), side * t.sinh()],
+                    Substitution::Sine { base } => [(t - base).sine(), (t - base).cosine()],
+                    Substitution::HyperbolicSine => [t.hyperbolic_sine(), t.hyperbolic_cosine()],
+                    Substitution::HyperbolicCosine { side } => {
+                        [t.hyperbolic_cosine(), side * t.hyperbolic_sine()]
+                    }
                 };
                 scale * (constant + square * w * w).sqrt() * speed
             }
@@ -231,7 +234,7 @@ mod tests {
         let one_side = Substitution::HyperbolicCosine { side: 1.0 };
         let other_side = Substitution::HyperbolicCosine { side: -1.0 };
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-        let pole = (-0.5_f64).acos();
+        let pole = (-0.5_f64).arc_cosine();
         let forms = [
             (Form::Constant { density: 2.5 }, everywhere, [-3.0, 3.0]),
             (Form::Linear { constant: 1.0, slope: 0.4, side: 1.0 }, [-2.5, f64::INFINITY], [-2.5, 3.0]),

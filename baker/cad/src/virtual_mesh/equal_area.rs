@@ -7,6 +7,7 @@ use super::revolved;
 use crate::curve::Curve;
 use crate::surface::Surface;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Of unit vectors that are taken for parallel.
 const ROUNDING: f64 = 1e-12;
@@ -35,8 +36,8 @@ impl EqualArea {
             Surface::Plane(_) => return Self::Identity,
             Surface::Cylinder { radius, .. } => Antiderivative::constant(*radius),
             Surface::Cone { radius, half_angle, .. } => {
-                let slope = half_angle.tan();
-                revolved::line(*radius, slope, 1f64.hypot(slope), middle)
+                let slope = half_angle.tangent();
+                revolved::line(*radius, slope, 1f64.hypotenuse(slope), middle)
             }
             Surface::Sphere { radius, .. } => revolved::spheroid(*radius, *radius, 0.0, middle),
             Surface::Torus { major, minor, .. } => revolved::torus(*major, *minor, 0.0, middle),

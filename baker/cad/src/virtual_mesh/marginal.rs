@@ -184,10 +184,11 @@ fn unsettled(ends: &[Vec<f64>; 2], cells: &[[Series; ORDER]]) -> [Vec<bool>; 2] 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn jacobian_is_one_and_points_come_back() {
-        let density = |at: DVec2| 1.0 + (3.0 * at.x).sin() * at.y + at.x * at.x * (2.0 * at.y).exp();
+        let density = |at: DVec2| 1.0 + (3.0 * at.x).sine() * at.y + at.x * at.x * (2.0 * at.y).exponential();
         let map = Marginal::new([vec![0.0, 0.4, 1.0], vec![-1.0, 1.0]], density);
         for i in 1..30 {
             for j in 1..30 {

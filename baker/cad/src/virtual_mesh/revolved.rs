@@ -5,6 +5,7 @@ use super::antiderivative::{Antiderivative, Form, Substitution};
 use crate::curve::Curve;
 use crate::frame::Frame;
 use glam::{DVec2, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Of the sizes compared: so near is on the axis, in the plane, along it.
@@ -91,7 +92,7 @@ pub(super) fn torus(major: f64, minor: f64, farthest: f64, middle: f64) -> Antid
         let form = Form::Kepler { mean, amplitude, phase: -farthest };
         return Antiderivative::new(form, [f64::NEG_INFINITY, f64::INFINITY]);
     }
-    let pole = (-major / minor).acos();
+    let pole = (-major / minor).arc_cosine();
     let centre = farthest + TAU * ((middle - farthest) / TAU).round();
     if (middle - centre).abs() <= pole {
         let form = Form::Kepler { mean, amplitude, phase: -centre };
@@ -106,7 +107,7 @@ pub(super) fn torus(major: f64, minor: f64, farthest: f64, middle: f64) -> Antid
 /// A circle: a sphere if its centre is on the axis, else a torus.
 fn circle(half: &HalfPlane, radius: f64, middle: f64) -> Antiderivative {
     let [x, y] = half.across;
-    let farthest = y.atan2(x);
+    let farthest = y.arc_tangent2(x);
     if half.distance.abs() <= ROUNDING * radius {
         return spheroid(radius, radius, farthest, middle);
     }

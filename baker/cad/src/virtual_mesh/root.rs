@@ -28,13 +28,14 @@ pub(super) fn root([mut low, mut high]: [f64; 2], start: f64, function: impl Fn(
 #[cfg(test)]
 mod tests {
     use super::root;
+    use rebounce_shared::elementary::Elementary;
 
     #[test]
     fn roots_of_kepler_and_cubic() {
         for i in 0..=100 {
             let mean = -3.0 + 0.06 * f64::from(i);
-            let at = root([mean - 1.0, mean + 1.0], mean, |t| (t - t.sin() - mean, 1.0 - t.cos()));
-            assert!((at - at.sin() - mean).abs() < 1e-14);
+            let at = root([mean - 1.0, mean + 1.0], mean, |t| (t - t.sine() - mean, 1.0 - t.cosine()));
+            assert!((at - at.sine() - mean).abs() < 1e-14);
         }
         assert!(root([-1.0, 2.0], 2.0, |t| (t * t * t, 3.0 * t * t)).abs() < 1e-10);
     }

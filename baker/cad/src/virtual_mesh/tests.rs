@@ -6,6 +6,7 @@ use crate::curve::nurbs::NurbsCurve;
 use crate::frame::Frame;
 use crate::random::SplitMix;
 use crate::surface::NurbsSurface;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The border of a rectangle of parameters.
@@ -16,7 +17,7 @@ fn rectangle(low: DVec2, high: DVec2) -> Vec<TrimEdge> {
 
 /// A curve in the plane of the axis and x of a frame, placed there by its own.
 fn profile_frame(frame: &Frame, out: f64, along: f64, angle: f64) -> Frame {
-    let x = angle.cos() * frame.x + angle.sin() * frame.z;
+    let x = angle.cosine() * frame.x + angle.sine() * frame.z;
     Frame::new(frame.place(DVec3::new(out, 0.0, along)), -frame.y, x).unwrap()
 }
 

@@ -2,6 +2,7 @@
 
 use super::patch::PatchPoint;
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 /// Irradiance of a point from a planar, convex quadrilateral of radiosity 1, of either direction around:
@@ -32,7 +33,7 @@ pub(super) fn form_factor(corners: &[DVec3; 4], receiver: &PatchPoint) -> f64 {
     let edge = |(a, b): (&DVec3, &DVec3)| {
         let cross = a.cross(*b);
         let sine = cross.length();
-        if sine > 0.0 { sine.atan2(a.dot(*b)) * cross.dot(receiver.normal) / sine } else { 0.0 }
+        if sine > 0.0 { sine.arc_tangent2(a.dot(*b)) * cross.dot(receiver.normal) / sine } else { 0.0 }
     };
     let sum: f64 = above.iter().zip(above.iter().cycle().skip(1)).map(edge).sum();
     sum.abs() / TAU
@@ -54,7 +55,7 @@ mod tests {
         // Parallel, above a corner (Howell, B-4).
         let [a, b] = [0.7_f64, 1.3_f64];
         let [x, y] = [1.0 + a * a, 1.0 + b * b].map(f64::sqrt);
-        let expected = (a / x * (b / x).atan() + b / y * (a / y).atan()) / TAU;
+        let expected = (a / x * (b / x).arc_tangent() + b / y * (a / y).arc_tangent()) / TAU;
         let found = form_factor(&square(a, b, 1.0), &at(DVec3::ZERO, DVec3::Y));
         assert!((found - expected).abs() < 1e-14, "{found} {expected}");
         // A wall that fills a quarter of the sphere.

@@ -4,6 +4,7 @@ use crate::step::period::{Ring, arrange};
 use crate::step::poles::Domain;
 use crate::surface::Surface;
 use glam::DVec2;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn ring(points: &[(f64, f64)], turns: [i32; 2]) -> Ring {
@@ -51,7 +52,7 @@ fn cylinder() -> Domain {
 fn wave(from: f64, height: f64, amplitude: f64, turn: i32) -> Ring {
     let at = |k: i32| {
         let u = from + f64::from(turn) * TAU * f64::from(k) / 64.0;
-        (u, height + amplitude * (3.0 * u).sin())
+        (u, height + amplitude * (3.0 * u).sine())
     };
     ring(&(0..64).map(at).collect::<Vec<_>>(), [turn, 0])
 }
@@ -85,7 +86,7 @@ fn a_band_with_a_hole_on_the_seam() {
                     let origin = if height == 0.0 { from } else { from + 1.3 };
                     let k = ((at - origin) / step).floor();
                     let [a, b] = [origin + k * step, origin + (k + 1.0) * step]
-                        .map(|u| height + 0.3 * (3.0 * u).sin());
+                        .map(|u| height + 0.3 * (3.0 * u).sine());
                     a + ((at - origin) / step - k) * (b - a)
                 };
                 at.y > line(0.0, at.x) && at.y < line(2.0, at.x) && !in_hole

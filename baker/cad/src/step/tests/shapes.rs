@@ -7,6 +7,7 @@ use crate::model::Part;
 use crate::surface::Surface;
 use crate::trim::TrimEdge;
 use glam::{DQuat, DVec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::PI;
 
 /// The one part of a file with this solid.
@@ -172,8 +173,11 @@ fn a_cone_closes_at_its_apex() {
     for negative in [false, true] {
         let mut text = Text::new();
         let edge = text.circle(DVec3::ZERO, DVec3::Z, DVec3::X, 30.0);
-        let (axis, angle) =
-            if negative { (DVec3::Z, -(0.75_f64.atan())) } else { (-DVec3::Z, 0.75_f64.atan()) };
+        let (axis, angle) = if negative {
+            (DVec3::Z, -(0.75_f64.arc_tangent()))
+        } else {
+            (-DVec3::Z, 0.75_f64.arc_tangent())
+        };
         let frame = text.frame(DVec3::ZERO, axis, DVec3::X);
         let surface = text.add(format!("CONICAL_SURFACE('',#{frame},30.,{angle:?})"));
         let side = text.bound(&[(edge, true)]);
@@ -212,7 +216,7 @@ fn a_torus_has_its_area_whole_and_in_halves_either_way() {
             // Two bows, of one and of five sixths.
             _ => {
                 let around = [0.4_f64, 0.4 + PI / 3.0].map(|angle| {
-                    let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
+                    let out = DVec3::new(angle.cosine(), angle.sine(), 0.0);
                     // Its axis along −u: then it runs along +v.
                     text.circle(major * out, out.cross(DVec3::Z), out, minor)
                 });

@@ -5,6 +5,7 @@ use super::shapes::{assert_measures, only_part};
 use super::text::{Text, list};
 use super::{assert_closed, read};
 use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Poles and weights of a circle about z as a quadratic rational B-spline from x, in nine.
@@ -12,7 +13,7 @@ fn circle_poles(radius: f64, z: f64) -> ([DVec3; 9], [f64; 9]) {
     let corner = |at: usize| {
         let angle = TAU * at as f64 / 8.0;
         let out = if at.is_multiple_of(2) { radius } else { radius / FRAC_1_SQRT_2 };
-        DVec3::new(out * angle.cos(), out * angle.sin(), z)
+        DVec3::new(out * angle.cosine(), out * angle.sine(), z)
     };
     let weight = |at: usize| if at.is_multiple_of(2) { 1.0 } else { FRAC_1_SQRT_2 };
     (std::array::from_fn(corner), std::array::from_fn(weight))
@@ -160,7 +161,7 @@ fn a_turned_bezier_curve_with_pcurves_in_degrees() {
     assert_eq!(assembly.notes, Vec::<String>::new());
     // ρ = 2 + 4t(1−t), z = 3t: V = π ∫ ρ² dz = 3π (4 + 16/6 + 16/30), by Simpson for the area.
     let volume = 3.0 * PI * (4.0 + 16.0 / 6.0 + 16.0 / 30.0);
-    let ring = |t: f64| TAU * (2.0 + 4.0 * t * (1.0 - t)) * (4.0 - 8.0 * t).hypot(3.0);
+    let ring = |t: f64| TAU * (2.0 + 4.0 * t * (1.0 - t)) * (4.0 - 8.0 * t).hypotenuse(3.0);
     let simpson = |at: i32| {
         let [a, b] = [f64::from(at) / 1000.0, f64::from(at + 1) / 1000.0];
         (b - a) / 6.0 * (ring(a) + 4.0 * ring(0.5 * (a + b)) + ring(b))
@@ -203,7 +204,8 @@ fn a_wedge_of_a_cone_meets_its_apex() {
     let (up_a, up_b) = (side([a, apex], 0, 2), side([b, apex], 1, 2));
     let (in_a, in_b, axis) = (side([a, centre], 0, 3), side([b, centre], 1, 3), side([centre, apex], 3, 2));
     let frame = text.frame(DVec3::ZERO, -DVec3::Z, DVec3::X);
-    let cone = text.add(format!("CONICAL_SURFACE('',#{frame},{radius:?},{:?})", (radius / height).atan()));
+    let cone =
+        text.add(format!("CONICAL_SURFACE('',#{frame},{radius:?},{:?})", (radius / height).arc_tangent()));
     let bound = text.bound(&[(arc, true), (up_b, true), (up_a, false)]);
     let cone = text.face(cone, &[bound], true);
     let mut flat = |axis: DVec3, reference: DVec3, edges: &[(u64, bool)]| {
@@ -235,13 +237,13 @@ fn an_apple_has_its_area_and_volume() {
     let solid = text.solid("apple", &[face]);
     let part = only_part(text, solid);
     let (ring, tube) = (0.01, 0.02);
-    let end = f64::acos(-ring / tube);
-    let area = 4.0 * PI * tube * (ring * end + tube * end.sin());
+    let end = Elementary::arc_cosine(-ring / tube);
+    let area = 4.0 * PI * tube * (ring * end + tube * end.sine());
     let volume = PI
         * tube
-        * (2.0 * ring * ring * end.sin()
-            + 2.0 * ring * tube * (end + end.sin() * end.cos())
-            + tube * tube * (2.0 * end.sin() - 2.0 / 3.0 * end.sin().powi(3)));
+        * (2.0 * ring * ring * end.sine()
+            + 2.0 * ring * tube * (end + end.sine() * end.cosine())
+            + tube * tube * (2.0 * end.sine() - 2.0 / 3.0 * end.sine().powi(3)));
     assert_measures(&part, area, volume);
 }
 

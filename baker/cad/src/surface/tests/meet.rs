@@ -1,6 +1,7 @@
 //! Rays against surfaces.
 
 use super::*;
+use rebounce_shared::elementary::Elementary;
 
 /// A function of places that changes sign at the surface, about a length.
 fn implicit(surface: &Surface, place: DVec3) -> f64 {
@@ -8,7 +9,9 @@ fn implicit(surface: &Surface, place: DVec3) -> f64 {
     let from_axis = place.truncate().length();
     match surface {
         Surface::Cylinder { radius, .. } => from_axis - radius,
-        Surface::Cone { radius, half_angle, .. } => from_axis - (radius + place.z * half_angle.tan()).abs(),
+        Surface::Cone { radius, half_angle, .. } => {
+            from_axis - (radius + place.z * half_angle.tangent()).abs()
+        }
         Surface::Sphere { radius, .. } => place.length() - radius,
         Surface::Torus { major, minor, .. } => DVec2::new(from_axis - major, place.z).length() - minor,
         _ => place.z,
@@ -37,7 +40,7 @@ fn meetings_are_where_the_sign_changes() {
                 _ => random.direction(),
             };
             let through = if i % 21 == 1 { through.with_z(0.0) } else { through };
-            let length = 10f64.powf(random.between(-3.0, 3.0));
+            let length = 10f64.power(random.between(-3.0, 3.0));
             let ray = Ray {
                 origin: frame.place(through - far * direction),
                 direction: frame.turn(direction * length),
@@ -110,7 +113,7 @@ fn grazing_rays_meet_twice_or_not_at_all() {
                 Surface::Cylinder { .. } | Surface::Cone { .. } => random.between(-1.0, 1.0),
                 _ => random.between(0.0, TAU),
             };
-            let direction = turn.cos() * along_u.normalize() + turn.sin() * along_v.normalize();
+            let direction = turn.cosine() * along_u.normalize() + turn.sine() * along_v.normalize();
             let inside = match surface {
                 Surface::Torus { minor, .. } => 1e-7 * minor,
                 _ => 1e-7 * size,
@@ -167,7 +170,7 @@ fn cones_are_met_on_the_nappe_of_the_patch() {
             assert!((surface.point(meeting.at) - place).length() < 1e-13);
             // Rounding of the ray against the apex, divided by the angle between ray and generator.
             let across = frame.local_direction(direction);
-            let between = (across.truncate().length() - 0.5f64.tan() * across.z.abs()).abs();
+            let between = (across.truncate().length() - 0.5f64.tangent() * across.z.abs()).abs();
             assert!((meeting.distance - 3.0).abs() * between < 1e-14, "{meeting:?} {between}");
         }
     }

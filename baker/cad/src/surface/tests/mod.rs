@@ -6,6 +6,7 @@ mod torus;
 
 use super::*;
 use crate::random::SplitMix;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A surface, its size, and a patch that holds what a test looks at.
@@ -45,7 +46,7 @@ fn cases() -> Vec<Case> {
 
 /// Range of v of the outer part of a torus.
 fn outer([major, minor]: [f64; 2]) -> [f64; 2] {
-    let pole = (-major / minor).acos();
+    let pole = (-major / minor).arc_cosine();
     [-pole, pole]
 }
 

@@ -1,6 +1,7 @@
 //! Rays against tori.
 
 use super::*;
+use rebounce_shared::elementary::Elementary;
 
 /// On the side of the hole a torus bends outward along its circles: a ray beside one is met twice outside, not within.
 #[test]
@@ -118,7 +119,7 @@ fn no_pair_is_lost_at_any_thickness() {
     let mut found = SurfaceHits::default();
     for offset in [1e-7, 1e-13] {
         for _ in 0..20_000 {
-            let minor = 10f64.powf(random.between(-5.0, 0.5));
+            let minor = 10f64.power(random.between(-5.0, 0.5));
             let surface = Surface::Torus { frame: Frame::default(), major: 1.0, minor };
             // The greater one as a part of r: through a thin torus a ray comes out on the other side.
             let offset = offset * if offset > 1e-10 { minor } else { 1.0 + minor };
@@ -126,7 +127,7 @@ fn no_pair_is_lost_at_any_thickness() {
             let at = DVec2::new(random.between(0.0, TAU), random.between(-1.4, 1.4));
             let [place, along_u, along_v] = surface.derivatives(at);
             let turn = random.between(0.0, TAU);
-            let direction = turn.cos() * along_u.normalize() + turn.sin() * along_v.normalize();
+            let direction = turn.cosine() * along_u.normalize() + turn.sine() * along_v.normalize();
             for (offset, expected) in [(-offset, 2), (offset, 0)] {
                 let origin = place + offset * surface.normal(at);
                 surface.meet(&Ray { origin, direction }, &patch, [-1e9, 1e9], &mut found);

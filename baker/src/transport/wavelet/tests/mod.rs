@@ -13,6 +13,7 @@ use rebounce_cad::frame::Frame;
 use rebounce_cad::surface::Surface;
 use rebounce_cad::trim::{TrimEdge, TrimLoop};
 use rebounce_cad::virtual_mesh::VirtualMesh;
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
@@ -41,7 +42,7 @@ impl Surfaces for Blockers {
         let Some((height, radius)) = self.disk else { return Vec3::ONE };
         let t = (height - from.y) / (to.y - from.y);
         let there = from.lerp(to, t);
-        let is_blocked = (0.0..1.0).contains(&t) && there.x.hypot(there.z) < radius;
+        let is_blocked = (0.0..1.0).contains(&t) && there.x.hypotenuse(there.z) < radius;
         Vec3::splat(if is_blocked { 0.0 } else { 1.0 })
     }
 
