@@ -8,6 +8,8 @@ import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
 
 const DIST = path.resolve("dist");
+/** A plate, a wall and a tube. */
+const STEP = path.resolve("../baker/tests/step/tube.step");
 /** Few functions, so that a bake takes seconds; several levels, so that workers share all kinds of parts. */
 const SMALL = { preset: "draft", functions: 2000 };
 /** Writes the Cornell box as a .glb file with its materials. */
@@ -84,6 +86,18 @@ export async function bakeInPage(harness, context) {
         check(Buffer.from(await bake(scene, { ...options, workers, name })).equals(expected), "other bytes in Node.js");
       });
     }
+
+    await harness.test("bake-in-page::a_step_file_has_the_bytes_of_the_command_and_a_baker_of_its_own", async () => {
+      const asked = [];
+      page.on("request", (request) => asked.push(path.basename(new URL(request.url()).pathname)));
+      const expected = await commandBake(context, STEP, SMALL);
+      check((await inPage(page, STEP, { ...SMALL, workers: 2 })).equals(expected), "other bytes in the page");
+      const bytes = new Uint8Array(await readFile(STEP));
+      check(Buffer.from(await bake(bytes, { ...SMALL, workers: 2, name: "tube.step" })).equals(expected), "other bytes in Node.js");
+      check(asked.includes("rebounce_baker_step_bg.wasm"), `asked for ${asked}`);
+      const message = await bake(bytes.slice(0, 9000), { ...SMALL, workers: 1, name: "cut.stp" }).then(() => "baked", (error) => error.message);
+      check(/cut\.stp/.test(message) && !/fault of the baker/.test(message), message);
+    });
 
     await harness.test("bake-in-page::points_alone_and_groups_are_those_of_the_command", async () => {
       const document = JSON.parse(Buffer.from(scene.buffer, 20, new DataView(scene.buffer).getUint32(12, true)).toString("utf8"));
