@@ -63,7 +63,7 @@ pub struct SolveArgs {
     #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.99, value_parser = convergence)]
     convergence: f64,
     /// Error of irradiance that divides a cell, as a share of what a shot gives on average
-    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.15, value_parser = number::over_zero)]
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.05, value_parser = number::over_zero)]
     tolerance: f64,
     /// Most times that a face is divided in four
     #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=10))]

@@ -85,9 +85,11 @@ fn compared(exact: &SceneSurfaces, triangles: &TriangleSurfaces, ray: &Ray, chor
         near(&of_exact, &a) && near(&of_triangles, &b)
     });
     if goes_on {
-        found.lost = 1
+        let told = |hit: Option<Hit>| hit.map(|hit| (hit.distance, hit.position, hit.normal));
+        eprintln!("lost: {ray:?}: faces {:?}, triangles {:?}", told(a), told(b));
+        found.lost = 1;
     } else {
-        found.touching = 1
+        found.touching = 1;
     }
     found
 }

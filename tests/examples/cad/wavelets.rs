@@ -156,5 +156,5 @@ impl Truth {
 
 /// Accuracy of the command's defaults.
 fn settings() -> WaveletSettings {
-    WaveletSettings { epsilon: 0.15, max_level: 4, convergence: 0.99, ..WaveletSettings::default() }
+    WaveletSettings { epsilon: 0.05, max_level: 4, convergence: 0.99, ..WaveletSettings::default() }
 }
