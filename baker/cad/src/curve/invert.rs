@@ -3,14 +3,18 @@
 use super::{Curve, NurbsCurve};
 use glam::DVec3;
 use rebounce_shared::elementary::Elementary;
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Samples a knot span, and one for each degree.
 const SAMPLES: usize = 4;
 
-/// So many intervals between samples are halved at most.
-const MAX_SPLITS: u32 = 256;
+/// Share by which tangents over an interval differ from the chord where the curve is nearly straight.
+const STRAIGHT: f64 = 0.05;
+
+/// So many points are evaluated between samples at most, but for the last search of a minimum.
+const MAX_EVALUATIONS: u32 = 512;
 
 impl Curve {
     /// Parameter of the point of the curve nearest to `place`. On a closed curve it is the one within half a period of `near`;
@@ -115,7 +119,7 @@ pub(crate) fn rising_root(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> [f64
 
 /// Parameter of the nearest point of a NURBS curve: of its ends, the samples, and the minima between samples where the
 /// derivative of the distance goes from negative to positive. Intervals that may have a nearer point, as far as chords and tangents tell, are
-/// halved, the widest first.
+/// halved, the widest first, and of these the nearest.
 fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
     let count = SAMPLES + spline.degree;
     let breaks = spline.breaks();
@@ -124,7 +128,9 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
         parameters.extend((0..count).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count as f64));
     }
     parameters.extend(breaks.last());
+    let evaluations = Cell::new(0);
     let rate = |u: f64| {
+        evaluations.set(evaluations.get() + 1);
         let [point, first, second] = spline.derivatives(u);
         let offset = point - place;
         [offset.dot(first), first.length_squared() + offset.dot(second)]
@@ -146,9 +152,14 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
             best = *sample;
         }
     }
-    let mut intervals: VecDeque<[Sample; 2]> = samples.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-    let mut splits = 0;
+    let mut intervals: Vec<[Sample; 2]> = samples.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let end = |interval: &[Sample; 2]| interval[0].distance.min(interval[1].distance);
+    intervals.sort_by(|a, b| end(a).total_cmp(&end(b)));
+    let mut intervals = VecDeque::from(intervals);
     while let Some([before, after]) = intervals.pop_front() {
+        if evaluations.get() >= MAX_EVALUATIONS {
+            break;
+        }
         // At a fold the chord is short.
         let tangent = before.speed.max(after.speed) * (after.u - before.u);
         let reach = before.point.distance(after.point).max(tangent);
@@ -164,8 +175,15 @@ fn nearest(spline: &NurbsCurve, place: DVec3) -> f64 {
                 best = found;
             }
         }
-        if splits < MAX_SPLITS && least < best.distance {
-            splits += 1;
+        // Nearly straight, and near: no second minimum.
+        let chord = before.point.distance(after.point);
+        let slowest = before.speed.min(after.speed) * (after.u - before.u);
+        let is_straight = tangent <= (1.0 + STRAIGHT) * chord && slowest >= (1.0 - STRAIGHT) * chord;
+        if is_straight && before.distance.min(after.distance) <= chord {
+            continue;
+        }
+        if least < best.distance {
+            evaluations.set(evaluations.get() + 1);
             let middle = sample(0.5 * (before.u + after.u));
             intervals.extend([[before, middle], [middle, after]]);
         }

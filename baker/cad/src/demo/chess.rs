@@ -168,19 +168,8 @@ fn crowned(profile: Profile, outline: &TrimLoop, depth: f64) -> (Vec<Face>, f64)
     // The side of the first edge, after front and back, is inside the solid.
     crown.remove(2);
     faces.extend(crown);
-    (faces, volume + depth * area(outline))
-}
-
-/// Area within a counterclockwise loop, by Green's theorem.
-fn area(outline: &TrimLoop) -> f64 {
-    let of = |edge: &TrimEdge| match *edge {
-        TrimEdge::Segment { from, to } => 0.5 * from.perp_dot(to),
-        TrimEdge::Arc { centre, radii, angles: [a, b] } => {
-            let [from, to] = edge.ends();
-            0.5 * (centre.perp_dot(to - from) + radii.x * radii.y * (b - a))
-        }
-    };
-    outline.iter().map(of).sum()
+    let area: f64 = outline.iter().map(|edge| edge.swept_area(DVec2::ZERO)).sum();
+    (faces, volume + depth * area)
 }
 
 /// A horse's head that looks along x.

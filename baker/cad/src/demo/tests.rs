@@ -91,7 +91,7 @@ fn closed_solids_have_their_volumes() {
     };
     for kind in chess::KINDS {
         let (faces, expected) = chess::chessman(kind);
-        near(volume(&faces, 1e-6), expected, 2e-3, kind);
+        near(volume(&faces, 4e-6), expected, 4e-3, kind);
     }
     let (faces, expected) = opera::column();
     near(volume(&faces, 1e-3), expected, 4e-3, "column");

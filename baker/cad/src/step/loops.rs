@@ -24,6 +24,16 @@ pub(super) struct Trimmed {
     pub loops: Vec<TrimLoop>,
     /// Whether edges stand off the surface by more than a thousandth of the face's size.
     pub is_off: bool,
+    /// Whether bounds run clockwise all the same: the file contradicts itself.
+    pub is_against: bool,
+}
+
+impl Trimmed {
+    fn new(surface: Surface, loops: Vec<TrimLoop>, is_off: bool) -> Self {
+        let about = loops.iter().flatten().next().map_or(DVec2::ZERO, |edge| edge.ends()[0]);
+        let area: f64 = loops.iter().flatten().map(|edge| edge.swept_area(about)).sum();
+        Self { surface, loops, is_off, is_against: area < 0.0 }
+    }
 }
 
 impl Geometry<'_> {
@@ -42,7 +52,7 @@ impl Geometry<'_> {
         let mapper = Mapper { file: self.file, surface: &placed.surface, domain: &domain, size };
         if paths.is_empty() {
             let loops = vec![rectangle(whole(&placed, &domain)?)];
-            return Ok(Trimmed { surface: placed.surface, loops, is_off: false });
+            return Ok(Trimmed::new(placed.surface, loops, false));
         }
         let mut paths = paths.into_iter();
         let mut rings = Vec::new();
@@ -63,7 +73,7 @@ impl Geometry<'_> {
         if loops.is_empty() {
             return Err(Flaw::Unread("bounds enclose nothing".into()));
         }
-        Ok(Trimmed { surface: placed.surface, loops, is_off: off > 1e-3 * size })
+        Ok(Trimmed::new(placed.surface, loops, off > 1e-3 * size))
     }
 
     /// Diagonal of the box about the edges.
@@ -117,7 +127,7 @@ impl Geometry<'_> {
             self.file.spend(edges.len())?;
             loops.push(edges);
         }
-        Ok(Trimmed { surface, loops, is_off: off > 1e-3 * size })
+        Ok(Trimmed::new(surface, loops, off > 1e-3 * size))
     }
 }
 

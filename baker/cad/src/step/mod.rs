@@ -9,6 +9,7 @@
 //! - Names are those of products. Colours are those of styled faces, shells, solids and representations, the innermost first.
 //!   The numbers of a `colour_rgb` are taken as linear RGB, as kernels such as Open CASCADE hold them. Transparency, layers and colours of single
 //!   occurrences are left out.
+//! - Where the normal of a face in a closed shell contradicts its edges, the edges are followed, and noted.
 //! - Trimming loops come from the edges in space: each is sampled, mapped to the surface's parameters (by its pcurve where
 //!   that agrees with it, else by its nearest point) and halved until straight segments in the parameter plane stand off it by
 //!   less than 1e-5 of the face's size, measured on the surface. What is straight there becomes one segment; circles, and

@@ -23,6 +23,10 @@ const EVALUATION: [usize; 2] = [3, 8];
 /// Points evaluated on the way to the nearest point of a surface and of a curve, if the way is long.
 const DESCENT: [usize; 2] = [50, 250];
 
+/// Work of a long way to the nearest point of a spline, where the edge is off it: by more than this share of the face's size.
+const ASTRAY: usize = 10_000;
+const OFF: f64 = 1e-3;
+
 /// Segments of an edge besides what its knots need: a circle on a plane takes some four hundred.
 const MOST_SEGMENTS: usize = 1 << 11;
 
@@ -131,6 +135,16 @@ impl Mapper<'_> {
     }
 }
 
+/// Whether the nearest point of a surface is searched for.
+fn is_spline(surface: &Surface) -> bool {
+    matches!(
+        surface,
+        Surface::Nurbs(_)
+            | Surface::Revolution { profile: Curve::Nurbs(_), .. }
+            | Surface::Extrusion { profile: Curve::Nurbs(_), .. }
+    )
+}
+
 /// Work of finding the nearest point of a surface, without a guess or with one.
 fn inversion_work(surface: &Surface, is_guessed: bool) -> usize {
     let [samples, steps] = match surface {
@@ -173,8 +187,14 @@ impl Sampling<'_> {
             }
             None => {
                 let surface = self.mapper.surface;
+                let place = self.path.point(s);
                 self.mapper.file.spend(inversion_work(surface, near.is_some()))?;
-                surface.invert(self.path.point(s), near)
+                let at = surface.invert(place, near);
+                let is_near = || surface.point(at).distance(place) <= OFF * self.mapper.size;
+                if is_spline(surface) && !is_near() {
+                    self.mapper.file.spend(ASTRAY)?;
+                }
+                at
             }
         };
         if let Some(near) = near {

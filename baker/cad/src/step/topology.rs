@@ -56,8 +56,19 @@ pub(super) struct Bounded {
     /// Counter-clockwise about the face's normal.
     pub bounds: Vec<Bound>,
     /// A number for each run of an edge, with its direction: the law of closed shells is stated of these.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the tests' law of closed shells"))]
     pub runs: Vec<(u64, bool)>,
+}
+
+/// A face with what its shell needs to know.
+struct FaceRead {
+    face: Face,
+    colour: FaceColour,
+    /// Whether edges stand off the surface.
+    is_off: bool,
+    /// Whether bounds run clockwise about the normal.
+    is_against: bool,
+    /// Runs of edges, with their direction in the shell.
+    runs: Vec<(u64, bool)>,
 }
 
 impl Bodies<'_> {
@@ -78,23 +89,39 @@ impl Bodies<'_> {
             }
         };
         let mut faces = Vec::with_capacity(uses.len());
+        let mut against = Vec::new();
+        // How often each edge is run forward and back.
+        let mut runs = HashMap::<u64, [u32; 2]>::new();
         for each in uses {
             match self.face(units, &each) {
-                Ok((face, is_off)) => {
-                    if is_off {
+                Ok(read) => {
+                    if read.is_off {
                         self.notes.add(
                             "face",
                             name,
                             "edges stand off the surface by more than a thousandth of the face",
                         );
                     }
-                    faces.push(face);
+                    if read.is_against {
+                        against.push(faces.len());
+                    }
+                    for (edge, forward) in read.runs {
+                        runs.entry(edge).or_default()[usize::from(forward)] += 1;
+                    }
+                    faces.push((read.face, read.colour));
                 }
                 Err(flaw) => {
                     is_closed = false;
                     let (why, at) = flaw.reason()?;
                     self.notes.add_at("face", name, &why, at);
                 }
+            }
+        }
+        // The law of closed shells: every edge is run once each way. Then edges tell the side, and normals against them are wrong.
+        if is_closed && runs.values().all(|ways| *ways == [1, 1]) {
+            for at in against {
+                faces[at].0.is_reversed ^= true;
+                self.notes.add("face", name, "the normal is against the bounds and is turned");
             }
         }
         let part = Part { name: name.to_owned(), faces, is_closed };
@@ -158,8 +185,8 @@ impl Bodies<'_> {
         Ok(kind == "CLOSED_SHELL")
     }
 
-    /// A face with its colour, and whether its edges stand off its surface.
-    fn face(&mut self, units: Units, face: &Use) -> Read<((Face, FaceColour), bool)> {
+    /// A face.
+    fn face(&mut self, units: Units, face: &Use) -> Read<FaceRead> {
         let (mut id, mut is_flipped) = (face.face, face.is_flipped);
         let mut colour = self.styles.of(id);
         if let Some(fields) = self.file.fields(id, "ORIENTED_FACE") {
@@ -176,8 +203,14 @@ impl Bodies<'_> {
         }
         let trimmed = Geometry { file: self.file, units }.trim(bounded.placed, &bounds)?;
         let is_reversed = agrees == is_flipped;
-        let face_read = Face { surface: trimmed.surface, is_reversed, loops: trimmed.loops };
-        Ok(((face_read, colour.or(face.colour)), trimmed.is_off))
+        let runs = bounded.runs.into_iter().map(|(edge, forward)| (edge, forward != is_flipped)).collect();
+        Ok(FaceRead {
+            face: Face { surface: trimmed.surface, is_reversed, loops: trimmed.loops },
+            colour: colour.or(face.colour),
+            is_off: trimmed.is_off,
+            is_against: trimmed.is_against,
+            runs,
+        })
     }
 
     /// Surface and bounds of a face.

@@ -75,6 +75,18 @@ impl TrimEdge {
         }
     }
 
+    /// Signed area that the line from a point to the edge sweeps, positive counterclockwise: summed along a loop, the area within
+    /// by Green's theorem.
+    pub fn swept_area(&self, about: DVec2) -> f64 {
+        let [from, to] = self.ends();
+        match *self {
+            Self::Segment { .. } => 0.5 * (from - about).perp_dot(to - about),
+            Self::Arc { centre, radii, angles: [a, b] } => {
+                0.5 * ((centre - about).perp_dot(to - from) + radii.x * radii.y * (b - a))
+            }
+        }
+    }
+
     /// Points from the beginning to the end, both with them, no farther than `chord_error` from their chords. The same
     /// points, in reverse, for the reversed edge.
     pub fn flattened(&self, chord_error: f64) -> Vec<DVec2> {

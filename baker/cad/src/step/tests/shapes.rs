@@ -1,12 +1,13 @@
 //! Solids of which area and volume are known.
 
 use super::integrate::{assert_near, totals};
-use super::text::Text;
+use super::text::{Text, list};
 use super::{assert_closed, read};
-use crate::model::Part;
+use crate::face::Face;
+use crate::model::{FaceColour, Part};
 use crate::surface::Surface;
 use crate::trim::TrimEdge;
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use rebounce_shared::elementary::Elementary;
 use std::f64::consts::PI;
 
@@ -284,4 +285,43 @@ fn a_faceted_tetrahedron_is_read() {
     let solid = text.add(format!("FACETED_BREP('',#{shell})"));
     let part = only_part(text, solid);
     assert_measures(&part, 0.06 * 0.06 * (1.5 + 3.0_f64.sqrt() / 2.0), 0.06_f64.powi(3) / 6.0);
+}
+
+/// A box of which one face says that its normal is against that of its plane, which its edges contradict: in a closed shell the
+/// edges count, in an open one the flag does.
+#[test]
+fn a_normal_against_the_bounds_is_turned_in_a_closed_shell() {
+    for is_closed in [true, false] {
+        let mut text = Text::new();
+        let (solid, faces) = text.cuboid(DVec3::new(100.0, 200.0, 300.0), DQuat::IDENTITY, DVec3::ZERO);
+        let context = text.millimetres();
+        let item = if is_closed {
+            solid
+        } else {
+            let shell = text.add(format!("OPEN_SHELL('',{})", list(&faces)));
+            text.add(format!("SHELL_BASED_SURFACE_MODEL('',(#{shell}))"))
+        };
+        text.product("thing", &[item], context);
+        let whole = text.finish();
+        let line = whole.lines().find(|line| line.starts_with(&format!("#{} =", faces[3]))).unwrap();
+        assert!(line.ends_with(",.T.);"));
+        let wrong = whole.replace(line, &line.replace(",.T.);", ",.F.);"));
+        let normals = |text: &str| -> Vec<DVec3> {
+            let normal = |(face, _): &(Face, FaceColour)| {
+                let normal = face.surface.normal(DVec2::ZERO);
+                if face.is_reversed { -normal } else { normal }
+            };
+            read(text).parts[0].faces.iter().map(normal).collect()
+        };
+        let mut expected = normals(&whole);
+        let notes = read(&wrong).notes;
+        if is_closed {
+            assert_near(totals(&read(&wrong).parts[0])[1], 0.006, 1e-9);
+            assert_eq!(notes, ["1 face of \"thing\": the normal is against the bounds and is turned"]);
+        } else {
+            expected[3] = -expected[3];
+            assert_eq!(notes, read(&whole).notes);
+        }
+        assert_eq!(normals(&wrong), expected);
+    }
 }
