@@ -68,7 +68,9 @@ pub fn lost_hits(scenes: &[(String, Scene)], rays: u64, of_diagonal: f32) -> Res
 fn compared(exact: &SceneSurfaces, triangles: &TriangleSurfaces, ray: &Ray, chord: f32) -> Found {
     let (a, b) = (exact.cast(ray, 0), triangles.cast(ray, 0));
     let mut found = Found { rays: 1, hits: u64::from(a.is_some()), ..Found::default() };
-    if is_same(&a, &b, ray, chord) {
+    // A ray may begin between a face and its triangles.
+    let is_between = [&a, &b].into_iter().flatten().any(|hit| hit.distance < ASIDE * chord);
+    if is_between || is_same(&a, &b, ray, chord) {
         return found;
     }
     // Beside the ray, the surface that it meets first goes on: the other one has lost it.
@@ -78,7 +80,11 @@ fn compared(exact: &SceneSurfaces, triangles: &TriangleSurfaces, ray: &Ray, chor
         let beside = Ray { origin: ray.origin + aside * step, ..*ray };
         let [of_exact, of_triangles] = [exact.cast(&beside, 0), triangles.cast(&beside, 0)];
         let near = |hit: &Option<Hit>, other: &Option<Hit>| match (hit, other) {
-            (Some(hit), Some(other)) => (hit.distance - other.distance).abs() < 40.0 * chord,
+            (Some(hit), Some(other)) => {
+                // A step aside is as much along the ray as the surface is steep.
+                let cosine = other.normal.dot(ray.direction).abs().max(0.02);
+                (hit.distance - other.distance).abs() < 2.0 * ASIDE * chord / cosine
+            }
             (None, None) => true,
             _ => false,
         };
