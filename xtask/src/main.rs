@@ -74,7 +74,8 @@ cargo xtask bench-radiosity [--functions N] [SCENE ...]
                      solves scenes in several ways on CPU and GPU, and bakes a vase with and without a group of its own
 cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
-                     errors against the path tracer; writes docs/reports/cad.md
+                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: minutes, without
+                     the rows of triangles, and noisier errors
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]

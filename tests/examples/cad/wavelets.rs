@@ -49,7 +49,8 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
         for order in [Order::M1, Order::M2, Order::M3] {
             truth.row("exact", &exact, order)?;
         }
-        let counts = if is_quick { &TRIANGLES[..1] } else { &TRIANGLES };
+        // Shots between thousands of triangles take hours.
+        let counts = if is_quick { &[][..] } else { &TRIANGLES };
         for count in counts {
             let triangles = tessellated(name, *count)?;
             for order in [Order::M1, Order::M2, Order::M3] {
