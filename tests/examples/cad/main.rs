@@ -38,7 +38,8 @@ fn main() -> Result<()> {
     println!("## Lost hits\n");
     println!(
         "Random rays through each scene, against exact faces and against their tessellation (chord error\n\
-         a {:.0}th of the diagonal). *Lost*: one of the two misses what it meets on all sides of the ray.\n\
+         a {:.0}th of the diagonal). *Lost*: faces let a ray pass where the triangles go on around it;\n\
+         *lost by triangles*: the reverse, mostly at cracks between tessellations of neighbouring faces.\n\
          *At rims*: they differ where either ends or turns away from the ray.\n",
         1.0 / CHORD
     );

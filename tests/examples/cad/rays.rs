@@ -21,8 +21,10 @@ const ASIDE: f32 = 4.0;
 struct Found {
     rays: u64,
     hits: u64,
-    /// Rays that meet the triangles well inside and not the faces, or the reverse.
+    /// Rays that the faces let pass where the triangles go on around the ray.
     lost: u64,
+    /// The reverse: cracks between the tessellations of faces.
+    lost_by_triangles: u64,
     /// Rays that differ where either surface ends or turns away.
     touching: u64,
 }
@@ -33,6 +35,7 @@ impl Found {
             rays: self.rays + other.rays,
             hits: self.hits + other.hits,
             lost: self.lost + other.lost,
+            lost_by_triangles: self.lost_by_triangles + other.lost_by_triangles,
             touching: self.touching + other.touching,
         }
     }
@@ -40,8 +43,8 @@ impl Found {
 
 /// Prints a row for each scene: `rays` random rays against exact faces and triangles whose chord error is a share `of_diagonal`.
 pub fn lost_hits(scenes: &[(String, Scene)], rays: u64, of_diagonal: f32) -> Result<()> {
-    println!("| scene | faces | triangles | rays | hits | lost | at rims |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("| scene | faces | triangles | rays | hits | lost | lost by triangles | at rims |");
+    println!("|---|---|---|---|---|---|---|---|");
     for (name, scene) in scenes {
         let exact = SceneSurfaces::from_scene(scene);
         let triangles = TriangleSurfaces::from_scene(scene);
@@ -58,8 +61,11 @@ pub fn lost_hits(scenes: &[(String, Scene)], rays: u64, of_diagonal: f32) -> Res
         let one = |i: u64| compared(&exact, &triangles, &ray(i), chord);
         let found = (0..rays).into_par_iter().map(one).reduce(Found::default, Found::plus);
         let faces = scene.brep.as_ref().map_or(0, |brep| brep.faces.len());
-        let Found { rays, hits, lost, touching } = found;
-        println!("| {name} | {faces} | {} | {rays} | {hits} | {lost} | {touching} |", scene.triangles.len());
+        let Found { rays, hits, lost, lost_by_triangles, touching } = found;
+        println!(
+            "| {name} | {faces} | {} | {rays} | {hits} | {lost} | {lost_by_triangles} | {touching} |",
+            scene.triangles.len()
+        );
     }
     Ok(())
 }
@@ -93,7 +99,10 @@ fn compared(exact: &SceneSurfaces, triangles: &TriangleSurfaces, ray: &Ray, chor
     if goes_on {
         let told = |hit: Option<Hit>| hit.map(|hit| (hit.distance, hit.position, hit.normal));
         eprintln!("lost: {ray:?}: faces {:?}, triangles {:?}", told(a), told(b));
-        found.lost = 1;
+        let distance = |hit: Option<Hit>| hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let is_of_faces = distance(a) > distance(b);
+        found.lost = u64::from(is_of_faces);
+        found.lost_by_triangles = u64::from(!is_of_faces);
     } else {
         found.touching = 1;
     }
