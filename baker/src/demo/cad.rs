@@ -32,8 +32,8 @@ pub(super) fn scene(name: &str) -> Result<Scene, SceneError> {
             lamp: ([-0.4, 0.9, 0.3], [0.0, 0.0, 0.0], 40.0, 4.0),
         },
         _ => DemoView {
-            camera: ([4.0, 1.8, 24.0], [0.0, 5.5, 0.0], 45.0),
-            lamp: ([-9.0, 16.0, 16.0], [0.0, 5.0, 0.0], 40.0, 2500.0),
+            camera: ([4.0, 2.2, 32.0], [0.0, 6.0, 0.0], 38.0),
+            lamp: ([-14.0, 18.0, 24.0], [-1.0, 6.0, -2.0], 42.0, 6000.0),
         },
     };
     let assembly = rebounce_cad::demo::assembly(name).unwrap_or_default();
