@@ -74,7 +74,7 @@ export class AttributeElement extends ElementBase {
     "state-in-link",
   ];
 
-  /** The address of a .rbn file, relative to the page; or of a .glb or .gltf file, which is baked in the page. */
+  /** The address of a .rbn file, relative to the page; or of a .glb, .gltf or .step file, which is baked in the page. */
   get src(): string {
     const src = this.getAttribute("src");
     return src ? new URL(src, this.baseURI).href : "";
