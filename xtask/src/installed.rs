@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Packages of the command, dependencies first.
-const PACKAGES: [&str; 4] = ["rebounce-shared", "rebounce", "rebounce-args", "rebounce-cli"];
+const PACKAGES: [&str; 5] = ["rebounce-shared", "rebounce-cad", "rebounce", "rebounce-args", "rebounce-cli"];
 
 /// Unpacks the packages of the command; returns the folder of each.
 fn unpacked() -> Result<Vec<PathBuf>> {
