@@ -37,7 +37,6 @@ fn on_cpu(scene: &BakedScene) -> Vec<u8> {
     let frame = camera.frame(scene.meta.origin);
     let ground = scene.meta.shown.ground();
     let of = Shown {
-        has_unlit: surfaces.has_unlit(),
         surfaces: &surfaces,
         camera: &frame,
         lights: &sources,

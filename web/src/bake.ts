@@ -3,7 +3,8 @@
 import { channels } from "./bake/channels.js";
 import { checked, type BakeOptions } from "./bake/options.js";
 import { compiled } from "./bake/module.js";
-import { compiledForStep, isStep } from "./bake/step-module.js";
+import { STEP } from "./bake/kinds.js";
+import { compiledForStep } from "./bake/step-module.js";
 import type { Start, Told } from "./bake/messages.js";
 import { cores, startThread, type Thread } from "./bake/threads.js";
 
@@ -23,7 +24,7 @@ export async function bake(scene: SceneFile, options: BakeOptions = {}): Promise
   signal?.throwIfAborted();
   const named = "name" in scene && typeof scene.name === "string" ? scene.name : "scene.glb";
   const path = name ?? named;
-  const module = isStep(path) ? compiledForStep() : compiled();
+  const module = STEP.test(path) ? compiledForStep() : compiled();
   const beside = Object.entries(files).map(async ([file, bytes]): Promise<[string, Uint8Array]> => [file, await bytesOf(bytes)]);
   const size = workers ?? Math.min(await cores(), MOST);
   const start: Omit<Start, "rank" | "ports"> = {
@@ -76,7 +77,7 @@ async function begin(
 ): Promise<void> {
   await Promise.all(
     channels(start.size).map(async (own, rank) => {
-      const thread = await startThread<Start, Told>(isStep(start.path), told, died);
+      const thread = await startThread<Start, Told>(STEP.test(start.path), told, died);
       threads.push(thread);
       thread.post({ ...start, rank, ports: own }, own.filter((port) => port !== null));
     }),

@@ -1,8 +1,8 @@
 //! Pages of docs/reports: figures, headed with the command, the commit, the processor and the date.
 
 use crate::process;
-use anyhow::{Context, Result};
-use std::process::Command;
+use anyhow::{Context, Result, ensure};
+use std::process::{Command, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Folder of the reports.
@@ -22,6 +22,22 @@ pub fn write(name: &str, title: &str, command: &str, figures: &str) -> Result<()
     std::fs::write(&path, page).with_context(|| path.display().to_string())?;
     println!("wrote {}", path.display());
     Ok(())
+}
+
+/// Runs an example of the tests with these arguments, and writes what it prints as [`write`] does. `line` is the command that
+/// makes the report.
+///
+/// # Errors
+/// If the example or the writing fails.
+pub fn of_example(name: &str, title: &str, args: &[String], line: &str) -> Result<()> {
+    let mut command = process::cargo();
+    command.args(["run", "--release", "--locked", "--package", "rebounce-tests", "--example", name, "--"]);
+    let output = command.args(args).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.context("the figures could not be made")?;
+    let figures = String::from_utf8_lossy(&output.stdout);
+    println!("{figures}");
+    ensure!(output.status.success(), "the figures were not finished ({})", output.status);
+    write(name, title, line, &figures)
 }
 
 /// The line of a measurement.

@@ -3,7 +3,6 @@
 use rebounce_cad::cast::CastFace;
 use rebounce_cad::face::Face;
 use rebounce_cad::step;
-use rebounce_cad::surface::Surface;
 use rebounce_cad::tessellate;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -23,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut kinds = BTreeMap::<&str, usize>::new();
         let (mut coloured, mut empty) = (0, 0);
         for (face, colour) in assembly.parts.iter().flat_map(|part| &part.faces) {
-            *kinds.entry(kind(&face.surface)).or_default() += 1;
+            *kinds.entry(face.surface.kind()).or_default() += 1;
             coloured += usize::from(colour.is_some());
             empty += usize::from(CastFace::new(face).is_err());
         }
@@ -54,27 +53,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// What a face adds to the volume of its solid, by the divergence theorem over triangles within 10 µm; `None` without triangles.
 fn volume(face: &Face) -> Option<f64> {
-    let (surface, chord_error) = (|at| face.surface.point(at), 1e-5);
-    let outline = |edges| tessellate::outline(edges, &surface, chord_error);
-    let outlines: Vec<_> = face.loops.iter().map(outline).collect();
-    let mesh = tessellate::face(&outlines, &surface, chord_error).ok()?;
+    let mesh = tessellate::trimmed(face, 1e-5).ok()?;
     let of = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
         a.dot(b.cross(c)) / 6.0
     };
     let volume: f64 = mesh.triangles.iter().map(of).sum();
     Some(if face.is_reversed { -volume } else { volume })
-}
-
-fn kind(surface: &Surface) -> &'static str {
-    match surface {
-        Surface::Plane(_) => "planes",
-        Surface::Cylinder { .. } => "cylinders",
-        Surface::Cone { .. } => "cones",
-        Surface::Sphere { .. } => "spheres",
-        Surface::Torus { .. } => "tori",
-        Surface::Revolution { .. } => "revolutions",
-        Surface::Extrusion { .. } => "extrusions",
-        Surface::Nurbs(_) => "NURBS",
-    }
 }

@@ -26,6 +26,7 @@ pub mod demo;
 pub mod face;
 pub mod frame;
 pub mod model;
+mod quadrature;
 #[cfg(test)]
 mod random;
 pub mod spline;

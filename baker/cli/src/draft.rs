@@ -3,13 +3,12 @@
 use super::read_baked;
 use anyhow::{Context, Result, bail, ensure};
 use rebounce::demo;
+use rebounce::io::is_step;
 use std::io::{self, BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::SystemTime;
 
-/// Endings of scenes, which are baked before they are shown.
-const SCENES: [&str; 5] = ["glb", "gltf", "step", "stp", "p21"];
 /// File extension of drafts, beside the scene.
 const DRAFT: &str = "draft.rbn";
 /// The preset of drafts.
@@ -74,10 +73,9 @@ pub fn scene_kind(file: &Path) -> Option<bool> {
     if file.to_str().is_some_and(|name| name.starts_with("builtin:")) {
         return Some(true);
     }
-    SCENES
-        .iter()
-        .any(|known| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known)))
-        .then_some(false)
+    let ending = file.extension()?;
+    let is_gltf = ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf");
+    (is_gltf || is_step(file)).then_some(false)
 }
 
 /// Paths of a scene's bake and draft: beside the scene, or in the working folder.

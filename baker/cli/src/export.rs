@@ -156,16 +156,7 @@ fn measured(
     let exposure = Exposure { size, samples, seed: args.seed };
     let picture = relit.picture(scene, with_lights, &shot.camera, exposure, only, || ());
     let camera = &shot.camera.frame(scene.meta.origin);
-    Shown {
-        surfaces,
-        has_unlit: surfaces.has_unlit(),
-        camera,
-        lights: relit.lamps(),
-        exposure,
-        only,
-        ground: None,
-    }
-    .exposure_factor(&picture)
+    Shown { surfaces, camera, lights: relit.lamps(), exposure, only, ground: None }.exposure_factor(&picture)
 }
 
 /// Says what the file holds.

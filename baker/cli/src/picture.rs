@@ -150,19 +150,19 @@ impl PictureArgs {
         Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
     }
 
-    /// Writes the picture of `surfaces`, some of them unlit or not, from a camera. In a PNG, `lights` limit the exposure, unlit surfaces keep their
+    /// Writes the picture of `surfaces` from a camera. In a PNG, `lights` limit the exposure, unlit surfaces keep their
     /// colours, and an object with a ground has a backdrop.
     pub fn write(
         &self,
         picture: &Picture,
-        (surfaces, has_unlit): (&impl Surfaces, bool),
+        surfaces: &impl Surfaces,
         camera: &CameraFrame,
         lights: &[LightSource],
         exposure: Exposure,
         ground: Option<&Ground>,
     ) -> Result<()> {
         if is_png(&self.output) {
-            let of = Shown { surfaces, has_unlit, camera, lights, exposure, ground, only: self.only() };
+            let of = Shown { surfaces, camera, lights, exposure, ground, only: self.only() };
             let shown = of.picture(picture);
             let bytes = png::encode_display(&shown).map_err(anyhow::Error::msg)?;
             write_whole(&self.output, &bytes)?;

@@ -67,12 +67,5 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     rows.finish();
     let frame = shot.camera.frame(scene.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();
-    args.picture.write(
-        &picture,
-        (&surfaces, surfaces.triangles().has_unlit()),
-        &frame,
-        &lights,
-        exposure,
-        None,
-    )
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, None)
 }

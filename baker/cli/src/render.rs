@@ -63,12 +63,5 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let skies = shot.lights.iter().filter(|light| light.kind() == LightKind::Environment);
     let mut lights = relit.lamps().to_vec();
     lights.extend(skies.map(|sky| sky.source(scene.meta.origin)));
-    args.picture.write(
-        &picture,
-        (&surfaces, surfaces.has_unlit()),
-        &frame,
-        &lights,
-        exposure,
-        ground.as_ref(),
-    )
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
 }

@@ -60,13 +60,13 @@ pub struct SolveArgs {
     #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     order: u8,
     /// Share of the power that is shot before it ends
-    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.99, value_parser = convergence)]
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = WaveletSettings::default().convergence, value_parser = convergence)]
     convergence: f64,
     /// Error of irradiance that divides a cell, as a share of what a shot gives on average
-    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 0.05, value_parser = number::over_zero)]
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = WaveletSettings::default().epsilon, value_parser = number::over_zero)]
     tolerance: f64,
     /// Most times that a face is divided in four
-    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=10))]
+    #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = WaveletSettings::default().max_level, value_parser = clap::value_parser!(u32).range(0..=10))]
     depth: u32,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]

@@ -167,6 +167,11 @@ pub trait Surfaces: Sync {
         self.epsilon()
     }
 
+    /// Returns whether some of the surfaces are unlit ([`Hit::is_unlit`]).
+    fn has_unlit(&self) -> bool {
+        false
+    }
+
     /// Returns the primitives of the surfaces; `None` if unavailable.
     fn primitives(&self) -> Option<&dyn Primitives> {
         None

@@ -1,19 +1,11 @@
 //! The surfaces of a scene: triangles, and exact faces where the scene has a boundary representation.
 
 use super::brep::BrepSurfaces;
-use super::mesh::TriangleSurfaces;
+use super::mesh::{FLATTEST, OPPOSITE, PADDING, TriangleSurfaces};
 use super::{Emitters, Hit, Primitives, Ray, Surfaces};
 use crate::scene::Scene;
 use crate::scene::detail::Exactness;
 use glam::Vec3;
-
-/// Padding of the boxes of exact faces, as a fraction of the scene's diagonal, for the rounding of the box test.
-const PADDING: f32 = 5e-7;
-/// Two faces are back to back if the cosine between the normal of one face and the reversed normal of the other
-/// exceeds this.
-const OPPOSITE: f32 = 0.9;
-/// Minimum cosine between ray and normal, for distances along the ray.
-const FLATTEST: f32 = 1e-3;
 
 /// Surfaces of a scene.
 pub struct SceneSurfaces {
@@ -134,6 +126,10 @@ impl Surfaces for SceneSurfaces {
             Some(exact) => exact.exactness.at(position),
             None => self.triangles.epsilon_at(position),
         }
+    }
+
+    fn has_unlit(&self) -> bool {
+        self.triangles.has_unlit()
     }
 
     fn primitives(&self) -> Option<&dyn Primitives> {

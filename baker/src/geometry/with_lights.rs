@@ -162,6 +162,10 @@ impl<S: Surfaces + ?Sized> Surfaces for WithLights<'_, S> {
         self.surfaces.tint(ray, distance, from_eye)
     }
 
+    fn has_unlit(&self) -> bool {
+        self.surfaces.has_unlit()
+    }
+
     fn bounds(&self) -> (Vec3, Vec3) {
         (self.low, self.high)
     }

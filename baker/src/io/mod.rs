@@ -30,3 +30,4 @@ pub use load::{load, load_by_name, load_from, load_with};
 pub use material_looks::read_looks;
 pub use options::{GroupOption, LoadOptions};
 pub use save::{SaveError, save};
+pub use step::is_step;

@@ -11,7 +11,7 @@ use crate::scene::{
 use std::path::Path;
 
 /// Whether a path has the ending of a STEP file.
-pub(super) fn is_step(path: &Path) -> bool {
+pub fn is_step(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ["step", "stp", "p21"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }

@@ -180,7 +180,7 @@ fn prepare(
         let [low, high] = part.bounds;
         let chord_error = coarseness * of_assembly.min(OF_PART * (high - low).length());
         let tessellated = (part.faces.par_iter())
-            .map(|face| tessellated(face, chord_error).map_err(|error| error.to_string()))
+            .map(|face| tessellate::trimmed(&face.face, chord_error).map_err(|error| error.to_string()))
             .collect::<Vec<_>>();
         let mut kept = Vec::new();
         for (face, triangles) in std::mem::take(&mut part.faces).into_iter().zip(tessellated) {
@@ -205,14 +205,6 @@ fn prepare(
         out.push(prepared);
     }
     out
-}
-
-/// Triangles of a face.
-fn tessellated(face: &BrepFace, chord_error: f64) -> Result<Tessellation, tessellate::TessellateError> {
-    let surface = |at| face.cast.surface().point(at);
-    let outlines: Vec<_> =
-        face.face.loops.iter().map(|edges| tessellate::outline(edges, &surface, chord_error)).collect();
-    tessellate::face(&outlines, &surface, chord_error)
 }
 
 /// Adds the triangles of a part at its placements: as models where that saves much.

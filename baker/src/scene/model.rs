@@ -45,6 +45,14 @@ pub fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]) -> (V
     (middle - half, middle + half)
 }
 
+/// As [`bounds_of_copy`], in double precision.
+pub fn bounds_of_placed(place: &DAffine3, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+    let middle = place.transform_point3(0.5 * (low + high));
+    let (half, DMat3 { x_axis, y_axis, z_axis }) = (0.5 * (high - low), place.matrix3);
+    let half = x_axis.abs() * half.x + y_axis.abs() * half.y + z_axis.abs() * half.z;
+    [middle - half, middle + half]
+}
+
 /// Placements of a mesh that become instances of one model.
 pub struct Copies {
     /// Transform of the mesh's vertices into model space.

@@ -1,7 +1,8 @@
 //! World-space triangles of a file or a generator, and their conversion into a scene's local space.
 
+use super::model::bounds_of_placed;
 use super::{InstancedMesh, Scene, bounds_of, colours, detail};
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3, Vec4};
 
 /// World-space vertices and triangles, before conversion into a [`Scene`].
 #[derive(Default)]
@@ -137,12 +138,7 @@ pub struct WorldInstancedMesh {
 impl WorldInstancedMesh {
     /// Least and greatest corner of each instance's box, world space.
     pub fn boxes(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        let [low, high] = self.mesh.bounds().unwrap_or_default();
-        self.world_from_model.iter().map(move |place| {
-            let middle = place.transform_point3(0.5 * (low + high));
-            let (half, DMat3 { x_axis, y_axis, z_axis }) = (0.5 * (high - low), place.matrix3);
-            let half = x_axis.abs() * half.x + y_axis.abs() * half.y + z_axis.abs() * half.z;
-            [middle - half, middle + half]
-        })
+        let bounds = self.mesh.bounds().unwrap_or_default();
+        self.world_from_model.iter().map(move |place| bounds_of_placed(place, bounds))
     }
 }

@@ -112,7 +112,7 @@ impl Truth {
         let patches = ScenePatches::new(scene, surfaces.epsilon()).context("no faces")?;
         let all = patches.with_emission(&[], &[]);
         let direct = |position: Vec3, normal: Vec3| at_point(&surfaces, &self.lights, position, normal);
-        let settings = WaveletSettings { order, ..settings() };
+        let settings = WaveletSettings { order, ..WaveletSettings::default() };
         let solution = solve(&all, &surfaces, direct, &settings, |_| Ok(()))?;
         let seconds = began.elapsed().as_secs_f64();
         let picture = self.picture(scene, &patches, &solution);
@@ -153,9 +153,4 @@ impl Truth {
         let pixel = |pixel: u32| (0..16).map(|i| sample(pixel, i)).sum::<Vec3>() / 16.0;
         Picture { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
     }
-}
-
-/// Accuracy of the command's defaults.
-fn settings() -> WaveletSettings {
-    WaveletSettings { epsilon: 0.05, max_level: 4, convergence: 0.99, ..WaveletSettings::default() }
 }

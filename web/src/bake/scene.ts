@@ -1,6 +1,7 @@
 /** Finds the files of a scene: beside the one that `src` names, or among files that were dropped. */
 
 import { Failure } from "../wire/failure.js";
+import { STEP } from "./kinds.js";
 
 /** A scene to be baked, or one that is. */
 export interface Scene {
@@ -14,7 +15,7 @@ export interface Scene {
 }
 
 /** Which file of several is the scene: the first of these kinds. */
-const KINDS = [/\.rbn$/i, /\.glb$/i, /\.gltf$/i, /\.(step|stp|p21)$/i];
+const KINDS = [/\.rbn$/i, /\.glb$/i, /\.gltf$/i, STEP];
 
 /** Files, with their paths where those are not what they are called. */
 export type SceneFiles = readonly (File | readonly [path: string, file: File])[];

@@ -1,14 +1,7 @@
 //! Arc length.
 
 use super::Curve;
-
-/// Nodes above 0 and weights of Gauss-Legendre quadrature with eight nodes.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
-];
+use crate::quadrature::GAUSS_8;
 
 /// Of the length: halving stops where the two halves agree with the whole to so much.
 const PRECISION: f64 = 1e-12;
@@ -37,7 +30,8 @@ impl Curve {
     fn quadrature(&self, from: f64, to: f64) -> f64 {
         let [middle, half] = [0.5 * (from + to), 0.5 * (to - from)];
         let speed = |u: f64| self.derivatives(u)[1].length();
-        let sum: f64 = GAUSS
+        // The rule is symmetric.
+        let sum: f64 = GAUSS_8[4..]
             .iter()
             .map(|(node, weight)| weight * (speed(middle - half * node) + speed(middle + half * node)))
             .sum();

@@ -14,11 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Triangles of a face, with its normals.
 fn triangles(face: &Face, chord_error: f64) -> Vec<[DVec3; 3]> {
-    let surface = |at| face.surface.point(at);
-    let outlines: Vec<_> =
-        face.loops.iter().map(|edges| tessellate::outline(edges, &surface, chord_error)).collect();
-    let Tessellation { positions, triangles, .. } =
-        tessellate::face(&outlines, &surface, chord_error).unwrap();
+    let Tessellation { positions, triangles, .. } = tessellate::trimmed(face, chord_error).unwrap();
     let corners = |triangle: [u32; 3]| {
         let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
         if face.is_reversed { [a, c, b] } else { [a, b, c] }

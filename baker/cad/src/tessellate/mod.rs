@@ -1,5 +1,6 @@
 //! Triangles of trimmed faces, for the screen: light does not need them.
 
+use crate::face::Face;
 use crate::trim::{TrapezoidalMap, TrimEdge, TrimError, TrimLoop};
 use glam::{DVec2, DVec3};
 use rebounce_shared::elementary::Elementary;
@@ -192,6 +193,16 @@ pub fn face(
     result.parameters = mesh.parameters;
     result.positions = mesh.positions;
     Ok(result)
+}
+
+/// Triangles of a trimmed face: its [`outline`]s and what is within them, by [`face`].
+///
+/// # Errors
+/// As of [`face`].
+pub fn trimmed(of: &Face, chord_error: f64) -> Result<Tessellation, TessellateError> {
+    let surface = |at| of.surface.point(at);
+    let outlines: Vec<_> = of.loops.iter().map(|edges| outline(edges, &surface, chord_error)).collect();
+    face(&outlines, &surface, chord_error)
 }
 
 /// Lengths on the surface for lengths along u and v, the mean of samples.

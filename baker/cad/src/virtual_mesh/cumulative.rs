@@ -1,6 +1,7 @@
 //! Cumulative integral of a density over one parameter, as a table.
 
-use super::legendre::{ORDER, RULE, Series, integral, inverse_integral, series};
+use super::legendre::{ORDER, Series, integral, inverse_integral, series};
+use crate::quadrature::GAUSS_8;
 
 /// Highest degrees of a series together are at most this part of the mean density.
 const PRECISION: f64 = 1e-10;
@@ -27,7 +28,7 @@ impl Cumulative {
     pub(super) fn new(breaks: &[f64], density: impl Fn(f64) -> f64) -> Self {
         let through = |a: f64, b: f64| {
             let half = 0.5 * (b - a);
-            series(&RULE.map(|(node, _)| density(a + half * (1.0 + node)).max(0.0)))
+            series(&GAUSS_8.map(|(node, _)| density(a + half * (1.0 + node)).max(0.0)))
         };
         let range = breaks.last().zip(breaks.first()).map_or(1.0, |(b, a)| b - a);
         let mass: f64 = breaks.windows(2).map(|w| (w[1] - w[0]) * through(w[0], w[1])[0]).sum();

@@ -1,7 +1,8 @@
 //! Equal-area map of a surface whose area element depends on both parameters.
 
 use super::cumulative::interval;
-use super::legendre::{ORDER, RULE, Series, integral, inverse_integral, polynomials, series};
+use super::legendre::{ORDER, Series, integral, inverse_integral, polynomials, series};
+use crate::quadrature::GAUSS_8;
 use glam::DVec2;
 
 /// Highest degrees of a series together are at most this part of the mean density.
@@ -150,8 +151,8 @@ fn interpolated(ends: &[Vec<f64>; 2], density: impl Fn(DVec2) -> f64) -> Vec<[Se
     let place = |pair: &[f64], node: f64| pair[0] + 0.5 * (pair[1] - pair[0]) * (1.0 + node);
     for column in ends[0].windows(2) {
         for row in ends[1].windows(2) {
-            let along = RULE.map(|(u, _)| {
-                series(&RULE.map(|(v, _)| density(DVec2::new(place(column, u), place(row, v)))))
+            let along = GAUSS_8.map(|(u, _)| {
+                series(&GAUSS_8.map(|(v, _)| density(DVec2::new(place(column, u), place(row, v)))))
             });
             let mut cell = [[0.0; ORDER]; ORDER];
             for degree in 0..ORDER {

@@ -6,6 +6,7 @@ use super::draft::scene_kind;
 use super::read_baked;
 use anyhow::Result;
 use clap::Args;
+use glam::Vec3;
 use rebounce_args::escape::escape_controls;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::{KINDS, Light};
@@ -154,9 +155,7 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
     line("file", format!("{file}, {}, format version {}", size(bytes), version));
     line("scene", format!("{:?}, by {}", m.scene_name, m.generator.escape_debug()));
-    let [x, y, z] = std::array::from_fn(|i| m.bounds_max[i] - m.bounds_min[i]);
-    let [ox, oy, oz] = m.origin;
-    line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
+    line("size", size_around(Vec3::from(m.bounds_max) - Vec3::from(m.bounds_min), m.origin));
     line("geometry", format!("{} triangles, {} vertices", scene.indices.len() / 3, scene.vertices.len()));
     if !scene.instances.is_empty() {
         let instances = scene.instances.len();
@@ -264,6 +263,12 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         line(&format!("  {}", s.name()), format!("{:>12} bytes {share:5.1}%", s.len));
     }
     out
+}
+
+/// Extent of a scene, and where its origin is.
+fn size_around(extent: Vec3, [ox, oy, oz]: [f64; 3]) -> String {
+    let [x, y, z] = extent.to_array();
+    format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})")
 }
 
 fn size(bytes: usize) -> String {

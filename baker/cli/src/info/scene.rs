@@ -1,5 +1,6 @@
 //! What a scene's file holds, before it is baked: the names that `--materials` and `--group` take, exact faces, what is left out.
 
+use super::{material_json, size_around};
 use anyhow::Result;
 use rebounce::io::load;
 use rebounce::scene::Scene;
@@ -27,10 +28,10 @@ fn faces(scene: &Scene) -> BTreeMap<&'static str, usize> {
 fn as_json(spec: &str, scene: &Scene) -> Value {
     let (low, high) = scene.bounds();
     let material = |m: &Material| {
-        json!({
-            "name": m.name, "base_color": m.base_color, "base_color_texture": m.base_color_texture,
-            "double_sided": m.double_sided, "emission": m.emission, "metallic": m.metallic, "roughness": m.roughness,
-        })
+        let mut out = material_json(m);
+        out["metallic"] = m.metallic.into();
+        out["roughness"] = m.roughness.into();
+        out
     };
     json!({
         "file": spec,
@@ -56,9 +57,7 @@ fn as_text(spec: &str, scene: &Scene) -> String {
     let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
     line("file", format!("{spec}, not yet baked"));
     let (low, high) = scene.bounds();
-    let [x, y, z] = (high - low).to_array();
-    let [ox, oy, oz] = scene.origin;
-    line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
+    line("size", size_around(high - low, scene.origin));
     let copies = match scene.instances() {
         0 => String::new(),
         count => format!(", {} with {count} instances of models", scene.triangles_placed()),

@@ -8,6 +8,7 @@ use super::bvh8::{Bvh8, PaddedBox, Visit, build};
 use super::mesh::geometry::Surface;
 use super::{Hit, Ray};
 use crate::scene::brep::{Brep, BrepFace, BrepInstance};
+use crate::scene::model::bounds_of_placed;
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rebounce_cad::surface::{Ray as CadRay, SurfaceHit};
 use std::ops::ControlFlow;
@@ -145,15 +146,12 @@ impl BrepSurfaces {
     }
 }
 
-/// Least and greatest corner, local space, of an instance of a box.
-fn bounds_of(local_from_part: &DAffine3, [low, high]: [DVec3; 2]) -> (Vec3, Vec3) {
-    let middle = local_from_part.transform_point3(0.5 * (low + high));
-    let matrix = local_from_part.matrix3;
-    let half = 0.5 * (high - low);
-    let half = matrix.x_axis.abs() * half.x + matrix.y_axis.abs() * half.y + matrix.z_axis.abs() * half.z;
-    // Rounding must not cut the box: a step of single precision more.
-    let step = f64::from(f32::EPSILON) * (middle.abs() + half);
-    ((middle - half - step).as_vec3(), (middle + half + step).as_vec3())
+/// Least and greatest corner, local space, of an instance of a box. Rounding must not cut the box: a step of single precision
+/// more.
+fn bounds_of(local_from_part: &DAffine3, bounds: [DVec3; 2]) -> (Vec3, Vec3) {
+    let [low, high] = bounds_of_placed(local_from_part, bounds);
+    let step = f64::from(f32::EPSILON) * low.abs().max(high.abs());
+    ((low - step).as_vec3(), (high + step).as_vec3())
 }
 
 /// A ray among the pieces, in the space of the last instance.

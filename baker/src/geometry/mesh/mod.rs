@@ -39,11 +39,11 @@ use triangle::TriangleHit;
 
 /// Two faces are back to back if the cosine between the normal of one face and the reversed normal of the other
 /// exceeds this.
-const OPPOSITE: f32 = 0.9;
+pub(super) const OPPOSITE: f32 = 0.9;
 /// Minimum cosine between ray and normal, for distances along the ray.
-const FLATTEST: f32 = 1e-3;
+pub(super) const FLATTEST: f32 = 1e-3;
 /// Padding of boxes, as a fraction of the scene's diagonal, for the rounding of the box test.
-const PADDING: f32 = 5e-7;
+pub(super) const PADDING: f32 = 5e-7;
 /// Maximum number of primitives with [`Primitives`]: hit data is precomputed only if memory has room.
 pub(crate) const MOST_PRIMITIVES: u64 = 1 << 25;
 
@@ -194,11 +194,6 @@ impl TriangleSurfaces {
     /// Returns a material, by number.
     pub fn material(&self, number: u32) -> &Surface {
         &self.surfaces[number as usize]
-    }
-
-    /// Returns whether pictures show a surface unlit.
-    pub fn has_unlit(&self) -> bool {
-        self.surfaces.iter().any(|surface| surface.is_unlit)
     }
 
     fn shade(&self, found: LocatedTriangle, m: TriangleHit, ray: &Ray) -> Hit {
@@ -412,6 +407,10 @@ impl Surfaces for TriangleSurfaces {
     #[inline]
     fn epsilon_at(&self, position: Vec3) -> f32 {
         self.exactness.at(position)
+    }
+
+    fn has_unlit(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.is_unlit)
     }
 
     fn primitives(&self) -> Option<&dyn Primitives> {

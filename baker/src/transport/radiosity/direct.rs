@@ -145,7 +145,7 @@ pub fn direct_irradiance<S: Surfaces + ?Sized>(
 }
 
 /// Irradiance from the sky and from emissive surfaces, by their links.
-fn linked_irradiance(
+pub fn linked_irradiance(
     relations: &Relations,
     groups: &[GroupSource],
     links: &SourceLinks,

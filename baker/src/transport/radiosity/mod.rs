@@ -24,7 +24,7 @@ pub mod solution;
 pub mod solver;
 pub mod source_links;
 
-pub use direct::{GroupField, GroupSource, direct_irradiance};
+pub use direct::{GroupField, GroupSource, linked_irradiance};
 pub use settings::RadiositySettings;
 pub use solution::{FixedSolution, GatherCount};
 pub use solver::ProgressiveRadiosity;

@@ -1,6 +1,6 @@
 //! A fixed solution: bounced light of every point for lights that stay in place.
 
-use super::direct::GroupField;
+use super::direct::{GroupField, GroupSource};
 
 /// Figures of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,4 +34,19 @@ pub struct FixedSolution {
     pub bounces: u32,
     /// Seconds of all threads together: in casting rays, and in evaluating functions.
     pub gather_seconds: [f64; 2],
+}
+
+impl FixedSolution {
+    /// A solution at `count` points with nothing gathered yet: zeros beside the `linked` irradiance, which took
+    /// `source_rays`.
+    pub fn new(count: usize, groups: &[GroupSource], linked: GroupField, source_rays: u64) -> Self {
+        Self {
+            bounced: GroupField::new(count, groups.len()),
+            linked,
+            has_direct: groups.iter().map(|group| group.has_links).collect(),
+            is_gathered: vec![false; count],
+            source_rays,
+            ..Self::default()
+        }
+    }
 }

@@ -60,13 +60,8 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
         let coarse_levels = settings.later_levels.clamp(1, levels.max(1)).min(levels);
         let (count, groups) = (points.points.len(), self.groups.len());
         let mut out = FixedSolution {
-            bounced: GroupField::new(count, groups),
-            linked: direct.linked,
-            has_direct: self.groups.iter().map(|group| group.has_links).collect(),
-            is_gathered: vec![false; count],
-            source_rays: links.rays,
             bounces: 1,
-            ..FixedSolution::default()
+            ..FixedSolution::new(count, &self.groups, direct.linked, links.rays)
         };
         let mut rows: Vec<Option<ChannelRow>> = vec![None; points.count_on(coarse_levels)];
         let mut pass =

@@ -11,7 +11,7 @@ use crate::light::direct::at_point;
 use crate::random::Stream;
 use crate::transport::Problem;
 use crate::transport::radiosity::{
-    FixedSolution, GatherCount, GroupField, GroupSource, direct_irradiance, source_links,
+    FixedSolution, GatherCount, GroupField, GroupSource, linked_irradiance, source_links,
 };
 use crate::transport::sources::SourceSettings;
 use glam::{DVec2, Vec3};
@@ -99,20 +99,13 @@ impl WaveletRadiosity<'_> {
     ) -> Result<(FixedSolution, WaveletGroups), WaveletRadiosityError> {
         let &Problem { surfaces, points, relations, .. } = problem;
         let links = source_links(&self.groups, &self.sources, &self.emissive_groups, problem, job).await?;
-        let watch = job.reporter.begin(Stage::DirectLight, None);
-        let direct = direct_irradiance(surfaces, points, relations, &self.groups, &links, &*watch)?;
-        drop(watch);
+        let (count, groups) = (points.points.len(), self.groups.len());
+        let linked = linked_irradiance(relations, &self.groups, &links, count);
         let watch = job.reporter.begin(Stage::Transport, None);
         let solved = self.groups(surfaces, &*watch)?;
-        let (count, groups) = (points.points.len(), self.groups.len());
         let mut out = FixedSolution {
-            bounced: GroupField::new(count, groups),
-            linked: direct.linked,
-            has_direct: self.groups.iter().map(|group| group.has_links).collect(),
-            is_gathered: vec![false; count],
-            source_rays: links.rays,
             rays: solved.figures().rays,
-            ..FixedSolution::default()
+            ..FixedSolution::new(count, &self.groups, linked, links.rays)
         };
         let at = |i: usize| {
             let point = &points.points[i];

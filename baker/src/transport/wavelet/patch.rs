@@ -44,6 +44,18 @@ pub(super) struct PlacedPatch<'a> {
     normal_from_part: DMat3,
 }
 
+/// Whether a transform keeps the proportions of areas on a face: any invertible one does on a plane, elsewhere lengths along
+/// all directions must grow alike.
+pub(super) fn keeps_proportions(world_from_part: &DAffine3, is_planar: bool) -> bool {
+    let linear = world_from_part.matrix3;
+    let scales = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::length);
+    let size = scales[0].max(scales[1]).max(scales[2]);
+    let least = scales[0].min(scales[1]).min(scales[2]);
+    let volume = linear.determinant();
+    let is_uniform = size - least <= UNIFORM * size && volume.abs() >= (1.0 - UNIFORM) * size.powi(3);
+    world_from_part.is_finite() && volume != 0.0 && (is_uniform || is_planar)
+}
+
 /// A point of a surface with its normal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchPoint {
@@ -67,19 +79,14 @@ impl<'a> PlacedPatch<'a> {
             linear.z_axis.cross(linear.x_axis),
             linear.x_axis.cross(linear.y_axis),
         );
-        let scales = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::length);
-        let size = scales[0].max(scales[1]).max(scales[2]);
-        let least = scales[0].min(scales[1]).min(scales[2]);
-        let volume = linear.determinant();
-        let is_uniform = size - least <= UNIFORM * size && volume.abs() >= (1.0 - UNIFORM) * size.powi(3);
-        if !patch.world_from_part.is_finite() || volume == 0.0 || !(is_uniform || patch.mesh.is_planar()) {
+        if !keeps_proportions(&patch.world_from_part, patch.mesh.is_planar()) {
             return Err(WaveletError::Transform { patch: index });
         }
         let is_colour = |colour: Vec3| colour.is_finite() && colour.min_element() >= 0.0;
         if !is_colour(patch.albedo) || !is_colour(patch.emission) || patch.albedo.max_element() > 1.0 {
             return Err(WaveletError::Material { patch: index });
         }
-        let side = if patch.is_back { -1.0 } else { 1.0 } * volume.signum();
+        let side = if patch.is_back { -1.0 } else { 1.0 } * linear.determinant().signum();
         let growth = (adjugate * patch.mesh.normal(DVec2::splat(0.5))).length();
         let mut it = Self {
             mesh: &patch.mesh,

@@ -2,6 +2,7 @@
 
 use super::WaveletPatch;
 use super::complex_polygons::complex_polygons;
+use super::patch::keeps_proportions;
 use crate::geometry::brep::BrepSurfaces;
 use crate::geometry::mesh::geometry::Surface;
 use crate::scene::Scene;
@@ -54,8 +55,9 @@ impl ScenePatches {
         for (number, instance) in (0..).zip(&brep.instances) {
             let mut of_instance = Vec::new();
             for face in instance.faces.clone() {
+                let mesh = meshes[face as usize].as_ref();
                 let is_mapped =
-                    meshes[face as usize].is_some() && is_usable(instance, &brep.faces[face as usize]);
+                    mesh.is_some_and(|mesh| keeps_proportions(&instance.local_from_part, mesh.is_planar()));
                 of_instance.push(is_mapped.then_some(patches.len() as u32));
                 if is_mapped {
                     patches.push((number, face, false));
@@ -116,15 +118,6 @@ impl ScenePatches {
         let patch = first as usize + usize::from(has_back && found.is_back);
         Some(PatchCoordinates { patch, st: mesh.square(found.at) })
     }
-}
-
-/// Whether a transform keeps proportions of areas on a face.
-fn is_usable(instance: &BrepInstance, face: &BrepFace) -> bool {
-    let DMat3 { x_axis, y_axis, z_axis } = instance.local_from_part.matrix3;
-    let lengths = [x_axis, y_axis, z_axis].map(DVec3::length);
-    let most = lengths.into_iter().fold(0.0, f64::max);
-    let is_uniform = lengths.iter().all(|length| (most - length).abs() < 1e-6 * most);
-    is_uniform || matches!(face.face.surface, rebounce_cad::surface::Surface::Plane(_))
 }
 
 /// The exact faces of a scene, and its other triangles as planar faces.

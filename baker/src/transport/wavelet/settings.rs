@@ -33,10 +33,10 @@ impl Default for WaveletSettings {
         Self {
             order: Order::default(),
             convergence: 0.99,
-            epsilon: 0.02,
+            epsilon: 0.05,
             min_cell_area: 0.0,
             min_level: 1,
-            max_level: 5,
+            max_level: 4,
             max_emitter_level: 7,
             max_shots: 1_000_000,
         }

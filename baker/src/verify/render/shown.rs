@@ -15,8 +15,6 @@ use rebounce_shared::rbn::shown::Ground;
 pub struct Shown<'a, S> {
     /// The surfaces.
     pub surfaces: &'a S,
-    /// Whether some of them are unlit.
-    pub has_unlit: bool,
     /// The camera.
     pub camera: &'a CameraFrame,
     /// Lights; they limit the exposure.
@@ -34,7 +32,7 @@ impl<S: Surfaces> Shown<'_, S> {
     pub fn picture(&self, radiance: &Picture) -> Picture {
         let exposed = |lit: &Picture| self.exposed(lit);
         let is_all = self.only == Only::All;
-        let shown = if is_all && self.has_unlit {
+        let shown = if is_all && self.surfaces.has_unlit() {
             developed(radiance, &unlit(self.surfaces, self.camera, self.exposure), exposed)
         } else {
             png::developed(radiance, exposed(radiance))
@@ -47,7 +45,7 @@ impl<S: Surfaces> Shown<'_, S> {
 
     /// Returns the factor of a picture's radiance, as [`Self::picture`] takes it.
     pub fn exposure_factor(&self, radiance: &Picture) -> f32 {
-        if self.only == Only::All && self.has_unlit {
+        if self.only == Only::All && self.surfaces.has_unlit() {
             self.exposed(&lit(radiance, &unlit(self.surfaces, self.camera, self.exposure)))
         } else {
             self.exposed(radiance)
