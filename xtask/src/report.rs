@@ -24,7 +24,7 @@ pub fn write(name: &str, title: &str, command: &str, figures: &str) -> Result<()
     Ok(())
 }
 
-/// Runs an example of the tests with these arguments, and writes what it prints as [`write`] does. `line` is the command that
+/// Runs an example of the tests with these arguments, and writes what it prints as [`write()`] does. `line` is the command that
 /// makes the report.
 ///
 /// # Errors

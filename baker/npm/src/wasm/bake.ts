@@ -58,8 +58,9 @@ export async function bakeInWorkers(
       };
       const died = (why: string): void =>
         reject(new Error(`a worker of the bake ended before its work: ${why}; bake with fewer --threads, or with the native program`));
+      // The package has one worker, which reads STEP files, too.
       const begin = async (own: (MessagePort | null)[], rank: number): Promise<void> => {
-        const thread = await startThread<CommandStart, CommandTold>(message, died);
+        const thread = await startThread<CommandStart, CommandTold>(false, message, died);
         threads.push(thread);
         thread.post({ rank, size, ports: own, words: [...words], files, module }, own.filter((port) => port !== null));
       };
