@@ -134,6 +134,7 @@ impl Surfaces for Implicit {
             emitter: None,
             is_unlit: false,
             group: 0,
+            lightmap: None,
         })
     }
 

@@ -38,6 +38,8 @@ pub mod kernel;
 pub mod light;
 pub mod light_group;
 pub mod lighting;
+#[cfg(feature = "radiosity")]
+pub mod lightmap;
 pub mod link;
 pub mod mix;
 pub mod motion;

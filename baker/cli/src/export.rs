@@ -2,7 +2,7 @@
 
 use super::picture::{OnlyArg, Rows, lit, set_threads, shot_or_own};
 use super::read_baked;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce::export::unwrap::Density;
 use rebounce::export::{Export, ExportSettings, Form, export};
@@ -51,6 +51,9 @@ pub struct ExportArgs {
     /// Greatest width and height of the texture, texels
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(64..=MOST))]
     max_size: u32,
+    /// Unwraps the scene although the file has a lightmap, as those of `solve --solver wavelet` have
+    #[arg(long, conflicts_with = "vertex_colours")]
+    unwrap: bool,
     /// Factor of radiance before tone mapping; that of the shot's picture when absent
     #[arg(long, value_name = "FACTOR", conflicts_with = "lightmap_texture", value_parser = parse_positive)]
     exposure: Option<f32>,
@@ -98,6 +101,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let (shot, environment) = lit(args.shot.as_deref(), shot, &names, packed_environment(&scene))?;
     let surfaces = TriangleSurfaces::from_baked(&scene)?;
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
+    let lighting = lighting.with_groups(scene.solved_lights(), &shot.lights).with_context(|| name.clone())?;
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
     let relit = Relit::lit(&scene, &with_lights, lighting, !args.no_detail);
@@ -118,6 +122,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
             None => Density::AtMost(TEXELS_PER_METRE),
         },
         max_size: args.max_size,
+        is_unwrapped: args.unwrap,
         samples: args.spp,
         seed: args.seed,
         only: args.only.into(),
@@ -164,8 +169,9 @@ fn tell(made: &Export, settings: &ExportSettings) {
     if let Some(atlas) = &made.atlas {
         let ([width, height], density) = (atlas.size, atlas.texels_per_unit);
         let (charts, used) = (atlas.charts, 100.0 * atlas.used);
+        let origin = if atlas.is_own { ", those of the file's lightmap" } else { "" };
         eprintln!(
-            "a texture of {width} x {height}: {density:.3} texels a metre, {charts} charts, {used:.0}% used"
+            "a texture of {width} x {height}: {density:.3} texels a metre, {charts} charts{origin}, {used:.0}% used"
         );
         if let Some(wanted) = atlas.wanted {
             let most = settings.max_size;

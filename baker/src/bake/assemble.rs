@@ -18,6 +18,7 @@ use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::light_groups::LightGroups;
+use rebounce_shared::rbn::lightmap::Lightmap;
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
 use rebounce_shared::rbn::sources::Sources;
 use std::collections::HashMap;
@@ -97,6 +98,7 @@ pub(super) fn assemble(
             _ => operator.reflectance.clone(),
         },
         light_groups: LightGroups::default(),
+        lightmap: Lightmap::default(),
     }
 }
 

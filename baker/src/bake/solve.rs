@@ -15,7 +15,9 @@ use crate::scene::{Scene, emissive_groups};
 use crate::transport::radiosity::{FixedSolution, GroupSource, ProgressiveRadiosity, RadiositySettings};
 use crate::transport::sources::SourceLinks;
 #[cfg(feature = "exact-faces")]
-use crate::transport::wavelet::{ScenePatches, WaveletRadiosity, WaveletSettings};
+use crate::transport::wavelet::lightmap::{LightmapSource, add_lightmap};
+#[cfg(feature = "exact-faces")]
+use crate::transport::wavelet::{ScenePatches, WaveletGroups, WaveletRadiosity, WaveletSettings};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
@@ -63,6 +65,24 @@ pub fn solve(scene: &Scene, settings: &SolveSettings) -> Result<(BakedScene, Sol
     run_blocking(solved).ok_or(CommunicatorError::WouldBlock)?
 }
 
+/// A solution at the points, and what made it.
+struct Solved {
+    solution: FixedSolution,
+    by_wavelets: Option<ByWavelets>,
+}
+
+/// Wavelet radiosity of the patches.
+#[cfg(feature = "exact-faces")]
+struct ByWavelets {
+    patches: ScenePatches,
+    solved: WaveletGroups,
+    settings: WaveletSettings,
+}
+
+/// Without exact faces no solution is by wavelets.
+#[cfg(not(feature = "exact-faces"))]
+enum ByWavelets {}
+
 impl<S: Surfaces> Recipe<'_, S> {
     /// Places points, solves, and assembles the file.
     async fn solve(
@@ -84,7 +104,7 @@ impl<S: Surfaces> Recipe<'_, S> {
             relations: &relations,
             settings: &bake.operator,
         };
-        let (solution, wavelet) = self.solution(settings, &problem, &bake).await?;
+        let Solved { solution, by_wavelets } = self.solution(settings, &problem, &bake).await?;
         let task = tracker.task(Stage::Assemble, None);
         let operator = Operator {
             bounces: solution.bounces,
@@ -94,6 +114,7 @@ impl<S: Surfaces> Recipe<'_, S> {
         let parts = (&relations, &operator, SourceLinks::default());
         let mut file = assemble(self.scene, &bake, self.staged.clone(), &points, parts);
         self.add_groups(&mut file, &solution);
+        let wavelet = by_wavelets.map(|own| self.add_lightmap(&mut file, own));
         drop(task);
         let mut report = SolveReport::new(report, &settings.radiosity, &solution);
         report.describe(&points, self.staged.lights.len(), tracker.seconds());
@@ -107,14 +128,15 @@ impl<S: Surfaces> Recipe<'_, S> {
         settings: &SolveSettings,
         problem: &Problem<'_, S>,
         bake: &BakeSettings,
-    ) -> Result<(FixedSolution, Option<WaveletReport>), BakeError> {
+    ) -> Result<Solved, BakeError> {
         let (groups, sources) = (self.group_sources(), bake.sources.clone());
         let emissive_groups = emissive_groups(self.scene);
         match settings.solver {
             FixedSolver::Radiosity => {
                 let settings = settings.radiosity.clone();
                 let solver = ProgressiveRadiosity { groups, settings, sources, emissive_groups };
-                Ok((solver.solve(problem, &self.job, &mut |_, _| Ok(())).await?, None))
+                let solution = solver.solve(problem, &self.job, &mut |_, _| Ok(())).await?;
+                Ok(Solved { solution, by_wavelets: None })
             }
             #[cfg(feature = "exact-faces")]
             FixedSolver::Wavelet(settings) => {
@@ -123,10 +145,23 @@ impl<S: Surfaces> Recipe<'_, S> {
                 let solver =
                     WaveletRadiosity { groups, patches: &patches, settings, sources, emissive_groups };
                 let (solution, solved) = solver.solve(problem, &self.job).await?;
-                let report = WaveletReport::new(&patches, &settings, &solved.figures());
-                Ok((solution, Some(report)))
+                Ok(Solved { solution, by_wavelets: Some(ByWavelets { patches, solved, settings }) })
             }
         }
+    }
+
+    /// Adds the lightmap of a solution by wavelets; returns its figures.
+    #[cfg(feature = "exact-faces")]
+    fn add_lightmap(&self, file: &mut BakedScene, own: ByWavelets) -> WaveletReport {
+        let ByWavelets { patches, solved, settings } = own;
+        let epsilon = self.surfaces.epsilon();
+        let lightmap = add_lightmap(file, LightmapSource { patches: &patches, solved: &solved, epsilon });
+        WaveletReport::new(&patches, &settings, &solved.figures(), lightmap)
+    }
+
+    #[cfg(not(feature = "exact-faces"))]
+    fn add_lightmap(&self, _: &mut BakedScene, own: ByWavelets) -> WaveletReport {
+        match own {}
     }
 
     /// The lights of the file at unit strength.

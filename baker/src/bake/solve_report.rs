@@ -82,6 +82,12 @@ pub struct WaveletReport {
     pub rays: u64,
     /// Share of the power that was shot, of the last light.
     pub convergence: f64,
+    /// Width and height of the lightmap, texels; `None` where its charts do not fit a texture.
+    pub lightmap: Option<[u32; 2]>,
+    /// Charts of the lightmap.
+    pub charts: u64,
+    /// Triangles without a chart: they have the light of the points.
+    pub triangles_left_out: u64,
 }
 
 #[cfg(feature = "exact-faces")]
@@ -90,8 +96,12 @@ impl WaveletReport {
         patches: &crate::transport::wavelet::ScenePatches,
         settings: &crate::transport::wavelet::WaveletSettings,
         figures: &crate::transport::wavelet::Figures,
+        lightmap: Option<crate::transport::wavelet::lightmap::LightmapFigures>,
     ) -> Self {
         Self {
+            lightmap: lightmap.map(|lightmap| lightmap.size),
+            charts: lightmap.map_or(0, |lightmap| lightmap.charts.into()),
+            triangles_left_out: lightmap.map_or(0, |lightmap| lightmap.left_out.into()),
             order: format!("{:?}", settings.order),
             faces: patches.faces() as u64,
             unmapped_faces: patches.unmapped as u64,
@@ -188,6 +198,17 @@ impl fmt::Display for SolveReport {
                 of.shooting_patches,
                 100.0 * of.convergence
             )?;
+            match of.lightmap {
+                Some([width, height]) => {
+                    let (charts, out) = (of.charts, of.triangles_left_out);
+                    let left_out = match out {
+                        0 => String::new(),
+                        _ => format!("; {out} triangles without one have the light of the points"),
+                    };
+                    writeln!(f, "lightmap      {width} x {height} texels, {charts} charts{left_out}")?;
+                }
+                None => writeln!(f, "lightmap      none: its charts do not fit a texture")?,
+            }
         } else {
             writeln!(
                 f,

@@ -7,6 +7,7 @@
 
 use crate::processor;
 use glam::{IVec3, Mat4, Vec3, Vec4};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT, SQUASH, weight};
 use rebounce_shared::rbn::bulk::Cut;
 
@@ -284,6 +285,25 @@ impl Leveled {
     /// Combines evaluators of levels, coarsest first.
     pub fn new(levels: Vec<Evaluator>) -> Self {
         Self { levels }
+    }
+
+    /// The functions of all levels of a file.
+    pub fn of_baked(scene: &BakedScene) -> Self {
+        let level = |l: usize| {
+            let range = scene.level(l);
+            let support = |i: usize| {
+                let p = &scene.points[i];
+                Support {
+                    position: p.position(),
+                    normal: p.normal(),
+                    radius: p.radius,
+                    cuts: scene.cuts_of(i),
+                    group: scene.group_of(i),
+                }
+            };
+            Evaluator::new(range.clone().map(support), range.start as u32)
+        };
+        Self::new((0..scene.meta.levels.len()).map(level).collect())
     }
 
     /// Fills `out` with (index, normalised weight) of a reconstruction group's functions of the finest level that

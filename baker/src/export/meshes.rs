@@ -3,10 +3,11 @@
 //! The static triangles are a mesh, each model is one, with the transforms of its copies. The back of a two-sided
 //! material is a mesh of its own, turned over: it has light of its own.
 
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Affine3A, Mat3, UVec2, Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
+use rebounce_shared::rbn::lightmap::TexelCoordinates;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -19,6 +20,10 @@ pub struct ExportMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates of the base colour.
     pub uvs: Vec<[f32; 2]>,
+    /// By vertex, the place in the file's lightmap, texels, without the offset of the copy; `None` without a chart.
+    pub lightmap: Vec<Option<Vec2>>,
+    /// By copy, where the charts of this side are in the lightmap, texels; zeros without a lightmap.
+    pub chart_offsets: Vec<UVec2>,
     /// Vertices of each triangle, counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle; triangles of one material are consecutive.
@@ -44,6 +49,8 @@ pub struct SurfaceTriangle {
     pub material: u32,
     /// Reconstruction group.
     pub group: u32,
+    /// Corners in the file's lightmap, texels; `None` without a chart.
+    pub lightmap: Option<[Vec2; 3]>,
 }
 
 impl SurfaceTriangle {
@@ -86,7 +93,17 @@ impl ExportMesh {
             uvs: vertices.map(|v| self.uvs[v].into()),
             material: self.materials[triangle],
             group: self.groups[triangle],
+            lightmap: self.lightmap_corners(vertices).map(|corners| {
+                let offset = self.chart_offsets[copy].as_vec2();
+                corners.map(|corner| corner + offset)
+            }),
         }
+    }
+
+    /// Vertices in the file's lightmap, texels, without the offset of a copy.
+    fn lightmap_corners(&self, vertices: [usize; 3]) -> Option<[Vec2; 3]> {
+        let [a, b, c] = vertices.map(|v| self.lightmap[v]);
+        Some([a?, b?, c?])
     }
 
     /// Returns the scale of each copy: the cube root of how much it grows a volume.
@@ -130,6 +147,8 @@ impl Growing {
             mesh.positions.push(vertex.position);
             mesh.normals.push(if *is_back { -normal } else { normal });
             mesh.uvs.push(vertex.uv);
+            let texels = scene.lightmap.coordinates.get(index as usize);
+            mesh.lightmap.push(texels.filter(|at| **at != TexelCoordinates::NONE).map(|at| at.texels()));
             mesh.positions.len() as u32 - 1
         })
     }
@@ -158,7 +177,14 @@ pub fn meshes(scene: &BakedScene) -> Vec<ExportMesh> {
             true => vec![Affine3A::IDENTITY],
             false => scene.instances[range.clone()].iter().map(Instance::local_from_model).collect(),
         };
-        let mut sides = [false, true].map(|back| Growing::new(places.clone(), !range.is_empty(), back));
+        let mut sides = [false, true].map(|back| {
+            let mut side = Growing::new(places.clone(), !range.is_empty(), back);
+            let first = if range.is_empty() { 0 } else { range.start + 1 };
+            let offset = |copy: usize| scene.lightmap.offsets.get(first + copy).map(|one| one.of_side(back));
+            side.mesh.chart_offsets =
+                (0..places.len()).map(|copy| offset(copy).unwrap_or_default()).collect();
+            side
+        });
         let is_of_these = |i: usize| {
             let own = scene.copies_of(i);
             own == range || own.is_empty() && range.is_empty()

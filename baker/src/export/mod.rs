@@ -2,6 +2,7 @@
 //!
 //! * [`meshes`](mod@meshes) – the scene's triangles as meshes: static ones, models with their copies, fronts and backs apart;
 //! * [`unwrap`](mod@unwrap) – coordinates of a texture in which every triangle has texels of its own;
+//! * [`from_lightmap`](mod@from_lightmap) – the same from the file's own lightmap;
 //! * [`rasterize`](mod@rasterize) – which triangles a texel shows;
 //! * [`point`] – light at a place of a surface, as [`render`](mod@crate::verify::render) has it;
 //! * [`texels`], [`dilate`] – the texels' light, and what filtering needs around it;
@@ -11,6 +12,7 @@
 pub mod develop;
 pub mod dilate;
 mod document;
+pub mod from_lightmap;
 mod glb;
 mod materials;
 pub mod meshes;
@@ -26,6 +28,7 @@ use crate::io::picture::{Only, Picture};
 use crate::verify::render::Relit;
 use develop::Developed;
 use document::ExportDocument;
+use from_lightmap::from_lightmap;
 use meshes::{ExportMesh, meshes};
 use point::{Lit, Shading};
 use rebounce_shared::baked::BakedScene;
@@ -57,6 +60,8 @@ pub struct ExportSettings {
     pub density: Density,
     /// Greatest width and height of the texture, texels.
     pub max_size: u32,
+    /// Whether the scene is unwrapped even if the file has a lightmap.
+    pub is_unwrapped: bool,
     /// Samples of a texel or, at the least, of a triangle.
     pub samples: u32,
     /// Seed of all random numbers.
@@ -93,6 +98,8 @@ pub struct AtlasFigures {
     pub charts: u32,
     /// Share of the texels that show a surface, 0 to 1.
     pub used: f32,
+    /// Whether the charts are those of the file's lightmap.
+    pub is_own: bool,
 }
 
 /// Why a scene could not be exported.
@@ -139,7 +146,15 @@ pub fn export(
         return Ok(Export { glb: document.finish()?, lightmap: None, atlas: None, triangles });
     }
     let is_used = |material: u32| !surfaces.material(material).is_unlit;
-    let atlas = unwrap(&meshes, settings.density, settings.max_size, is_used)?;
+    let own = match settings.is_unwrapped {
+        true => None,
+        false => from_lightmap(scene, &meshes, settings.density, settings.max_size, is_used),
+    };
+    let is_own = own.is_some();
+    let atlas = match own {
+        Some(atlas) => atlas,
+        None => unwrap(&meshes, settings.density, settings.max_size, is_used)?,
+    };
     let coverage = rasterize::rasterize(&meshes, &atlas);
     let mut texture = LightTexture::new(&meshes, &coverage, &lit, atlas.texels_per_unit, settings, done);
     dilate::fill_charts(&mut texture);
@@ -151,6 +166,7 @@ pub fn export(
         wanted: atlas.wanted,
         charts: atlas.chart_count,
         used: atlas.used,
+        is_own,
     };
     let lightmap = match settings.form {
         Form::LightmapTexture => Some(texture.picture()),

@@ -39,6 +39,8 @@ pub struct SurfaceElement {
     material: u32,
     /// Reconstruction group.
     group: u32,
+    /// Place in the file's lightmap, texels.
+    lightmap: Option<Vec2>,
 }
 
 impl SurfaceElement {
@@ -58,6 +60,7 @@ impl SurfaceElement {
             share: triangle.share(area),
             material: triangle.material,
             group: triangle.group,
+            lightmap: triangle.lightmap.map(|[p, q, r]| p * weights[0] + q * weights[1] + r * weights[2]),
         })
     }
 
@@ -73,6 +76,7 @@ impl SurfaceElement {
             emitter: None,
             is_unlit: false,
             group: self.group,
+            lightmap: self.lightmap,
         }
     }
 }

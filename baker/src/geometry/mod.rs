@@ -93,6 +93,8 @@ pub struct Hit {
     pub is_unlit: bool,
     /// [Reconstruction group](rebounce_shared::rbn::groups) of the surface.
     pub group: u32,
+    /// Place in the [lightmap](rebounce_shared::rbn::lightmap), texels; `None` where the surface has no chart.
+    pub lightmap: Option<Vec2>,
 }
 
 impl Hit {

@@ -126,6 +126,7 @@ impl<'a, S: Surfaces + ?Sized> WithLights<'a, S> {
             emitter: is_front.then_some(HitEmitter::Light(number)),
             is_unlit: false,
             group: 0,
+            lightmap: None,
         })
     }
 }

@@ -144,6 +144,7 @@ impl Object {
             emitter: None,
             is_unlit: false,
             group: spot.group,
+            lightmap: None,
         };
         Some(SurfacePoint::at(&hit, surfaces))
     }

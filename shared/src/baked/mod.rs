@@ -13,6 +13,8 @@ use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
+#[cfg(feature = "radiosity")]
+use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{RbnError, container, extras, shown};
@@ -61,10 +63,15 @@ pub struct BakedScene {
     pub reflectance: Vec<u8>,
     /// Light of a fixed solution, in place of links; empty where lights may move.
     pub light_groups: LightGroups,
+    /// The same light as a texture, if there is one.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: Lightmap,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
 
+#[cfg(feature = "radiosity")]
+use crate::rbn::LIGHTMAP_SECTIONS;
 use crate::rbn::{
     COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, RECONSTRUCTION_SECTIONS, SECTIONS,
     SHOWN_SECTION, SOURCE_SECTIONS,
@@ -240,6 +247,10 @@ impl BakedScene {
         if let Some(groups) = &groups {
             sections.extend(GROUP_SECTIONS.into_iter().zip([groups.as_slice(), &values]));
         }
+        #[cfg(feature = "radiosity")]
+        let of_lightmap = self.lightmap_sections()?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(of_lightmap.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
         let reconstruction = groups::encode(&self.groups)?;
         let of_groups = [columns::encode(&self.groups.of_material), columns::encode(&self.point_groups)];
         let [groups, of_materials, of_points, of_reflectance] = RECONSTRUCTION_SECTIONS;
@@ -299,6 +310,8 @@ impl BakedScene {
             point_groups: Vec::new(),
             reflectance: Vec::new(),
             light_groups: LightGroups::default(),
+            #[cfg(feature = "radiosity")]
+            lightmap: Lightmap::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {
@@ -330,7 +343,22 @@ impl BakedScene {
 
 #[cfg(feature = "radiosity")]
 impl BakedScene {
-    /// Reads the sections of fixed solutions, of groups and of reflectances.
+    /// Packs the sections of the lightmap; none without one.
+    fn lightmap_sections(&self) -> Result<Vec<([u8; 4], Vec<u8>)>, RbnError> {
+        let Lightmap { layout, coordinates, offsets, texels } = &self.lightmap;
+        if self.lightmap.is_empty() {
+            return Ok(Vec::new());
+        }
+        let packed = [
+            lightmap::encode(layout)?,
+            columns::encode(coordinates),
+            columns::encode(offsets),
+            columns::encode(texels),
+        ];
+        Ok(LIGHTMAP_SECTIONS.into_iter().zip(packed).collect())
+    }
+
+    /// Reads the sections of fixed solutions, of lightmaps, of groups and of reflectances.
     fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
@@ -340,6 +368,14 @@ impl BakedScene {
             self.light_groups = LightGroups {
                 groups: light_groups::decode(bytes(*b"LGRP")?)?,
                 values: records("LVAL", bytes(*b"LVAL")?)?,
+            };
+        }
+        if LIGHTMAP_SECTIONS.into_iter().any(has) {
+            self.lightmap = Lightmap {
+                layout: lightmap::decode(bytes(*b"LMAP")?)?,
+                coordinates: records("LMUV", bytes(*b"LMUV")?)?,
+                offsets: records("LMOF", bytes(*b"LMOF")?)?,
+                texels: records("LMTX", bytes(*b"LMTX")?)?,
             };
         }
         let mut of_material = Vec::new();

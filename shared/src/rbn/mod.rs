@@ -4,6 +4,7 @@
 //! * [`meta`] – the small metadata (bincode);
 //! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
+//! * [`lightmap`] – the same as a texture;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
@@ -18,6 +19,7 @@ pub mod container;
 pub mod extras;
 pub mod groups;
 pub mod light_groups;
+pub mod lightmap;
 pub mod limits;
 mod matrix;
 pub mod meta;
@@ -42,6 +44,8 @@ pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 pub const SOURCE_SECTIONS: [[u8; 4]; 2] = [*b"SRCS", *b"SRCL"];
 /// Names of the optional sections of [light groups](light_groups) and of their values, after the sections above.
 pub const GROUP_SECTIONS: [[u8; 4]; 2] = [*b"LGRP", *b"LVAL"];
+/// Names of the optional sections of a [lightmap], after those of light groups.
+pub const LIGHTMAP_SECTIONS: [[u8; 4]; 4] = [*b"LMAP", *b"LMUV", *b"LMOF", *b"LMTX"];
 /// Names of the optional sections of [reconstruction groups](groups), of the materials' and the points' groups, and of the
 /// points' reflectance, after the sections above.
 pub const RECONSTRUCTION_SECTIONS: [[u8; 4]; 4] = [*b"RGRP", *b"MGRP", *b"PGRP", *b"REFL"];

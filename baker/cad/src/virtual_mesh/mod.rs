@@ -119,6 +119,16 @@ impl VirtualMesh {
         self.parallelogram.unit(self.map.flat(uv))
     }
 
+    /// The point of the square at a point of the surface. On a seam it is the one nearest to `st`; where a parameter is
+    /// undetermined within `tolerance`, as at a pole, it has that of `st`.
+    pub fn square_near(&self, place: DVec3, st: DVec2, tolerance: f64) -> DVec2 {
+        let near = self.parameters(st);
+        let found = self.surface.invert(place, Some(near));
+        let is_here = |at: &DVec2| self.surface.point(*at).distance(place) <= tolerance;
+        let along = [DVec2::new(near.x, found.y), DVec2::new(found.x, near.y)];
+        self.square(along.into_iter().find(is_here).unwrap_or(found))
+    }
+
     /// Point on the surface.
     pub fn point(&self, st: DVec2) -> DVec3 {
         self.surface.point(self.parameters(st))

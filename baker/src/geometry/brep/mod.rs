@@ -111,10 +111,16 @@ impl BrepSurfaces {
         self.bvh.walk(origin, direction, limit, visit)
     }
 
-    /// Returns the nearest face from `origin` in a unit direction, at distances up to `limit`.
-    pub fn locate(&self, origin: Vec3, direction: Vec3, limit: f32) -> Option<BrepLocation> {
+    /// Returns the nearest face from `origin` in a unit direction, at distances up to `limit`; backs of one-sided faces are culled.
+    pub fn locate(
+        &self,
+        materials: &[Surface],
+        origin: Vec3,
+        direction: Vec3,
+        limit: f32,
+    ) -> Option<BrepLocation> {
         let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
-        let visit = NearestFace { query: Query::new(self, &ray, None), best: None };
+        let visit = NearestFace { query: Query::new(self, &ray, Some(materials)), best: None };
         let BrepHit { at, instance, face, .. } = self.bvh.walk(origin, direction, limit, visit)?;
         let matrix = self.instances[instance as usize].local_from_part.matrix3;
         let front = matrix * self.brep.faces[face as usize].cast.normal(at);
@@ -142,6 +148,7 @@ impl BrepSurfaces {
             emitter: None,
             is_unlit: false,
             group: surface.group,
+            lightmap: None,
         }
     }
 }

@@ -70,13 +70,15 @@ pub(super) struct Blas {
     pub attributes: Vec<ShadingAttributes>,
     /// Vertex colours by triangle, in leaf order; empty without vertex colours.
     colors: Vec<[Vec3; 3]>,
+    /// Places in a lightmap by triangle, texels, in leaf order; empty without a lightmap.
+    lightmap: Vec<[Vec2; 3]>,
 }
 
 impl Blas {
     /// Builds the BVH8 over these triangles; the first triangle has the number `first`. Boxes grow by the `padding`.
     pub fn new(
         triangles: &[Triangle],
-        colors: &[[Vec3; 3]],
+        (colors, lightmap): (&[[Vec3; 3]], &[[Vec2; 3]]),
         first: u32,
         surfaces: &[Surface],
         padding: f32,
@@ -105,6 +107,10 @@ impl Blas {
             colors: match colors {
                 [] => Vec::new(),
                 _ => ordered().map(|(i, _)| colors[i as usize]).collect(),
+            },
+            lightmap: match lightmap {
+                [] => Vec::new(),
+                _ => ordered().map(|(i, _)| lightmap[i as usize]).collect(),
             },
         }
     }
@@ -146,6 +152,14 @@ impl Blas {
             Some(c) => c[0] * u + c[1] * v + c[2] * w,
             None => surfaces[self.attributes[triangle].material as usize].color,
         }
+    }
+
+    /// Returns the place in the lightmap at barycentric weights of a triangle's corners, texels, before the offset of the copy;
+    /// `None` without a chart.
+    #[inline]
+    pub fn lightmap(&self, triangle: usize, [u, v, w]: [f32; 3]) -> Option<Vec2> {
+        let at = self.lightmap.get(triangle)?;
+        Some(at[0] * u + at[1] * v + at[2] * w).filter(|at| !at.is_nan())
     }
 
     /// Returns the nearest triangle stopping the ray at or before `limit`, with `strictly` before `limit`; as index in

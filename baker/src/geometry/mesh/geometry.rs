@@ -12,6 +12,7 @@ use rebounce_shared::motion::Motions;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::groups::Groups;
+use rebounce_shared::rbn::lightmap::{ChartOffset, TexelCoordinates};
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -72,6 +73,11 @@ pub struct Geometry {
     pub models: Vec<Placed>,
     /// Linear RGB factors of the albedo at the triangles' corners, in place of the materials'; empty for none.
     pub colors: Vec<[Vec3; 3]>,
+    /// Places of the corners in a [lightmap](rebounce_shared::rbn::lightmap), texels, NaN without a chart; empty without a
+    /// lightmap.
+    pub lightmap: Vec<[Vec2; 3]>,
+    /// Of triangles without instances, then by copy of the models in their order: where their charts are in the lightmap.
+    pub chart_offsets: Vec<ChartOffset>,
     /// Materials.
     pub surfaces: Vec<Surface>,
 }
@@ -253,6 +259,8 @@ impl Geometry {
                 _ => corners.map(|corners| corners.map(color)).collect(),
             },
             models: scene.models.iter().map(placed).collect(),
+            lightmap: Vec::new(),
+            chart_offsets: Vec::new(),
             surfaces,
         }
     }
@@ -318,6 +326,8 @@ impl Geometry {
         let textures = textures?;
         let texture = |t: u32| textures[t as usize].clone();
         let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
+        let mut lightmap: Vec<[Vec2; 3]> = Vec::new();
+        let mut chart_offsets: Vec<ChartOffset> = scene.lightmap.offsets.iter().take(1).copied().collect();
         // Triangles without instances first, then models: a model is a run of draw calls with equal copies.
         let stands = |draw: usize| scene.copies_of(draw);
         let draws = || scene.meta.draws.iter().enumerate();
@@ -329,6 +339,8 @@ impl Geometry {
             if !copies.is_empty() && copies != last {
                 let local_from_model = instances[copies.clone()].iter().map(Instance::local_from_model);
                 models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
+                chart_offsets
+                    .extend(scene.lightmap.offsets.get(copies.start + 1..copies.end + 1).unwrap_or_default());
                 last = copies;
             }
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
@@ -341,6 +353,14 @@ impl Geometry {
                     material: draw.material,
                 }
             }));
+            if !scene.lightmap.is_empty() {
+                let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+                let place = |i: u32| match scene.lightmap.coordinates[i as usize] {
+                    TexelCoordinates::NONE => Vec2::NAN,
+                    coordinates => coordinates.texels(),
+                };
+                lightmap.extend(scene.indices[range].as_chunks::<3>().0.iter().map(|t| t.map(place)));
+            }
             if let Some(model) = models.last_mut() {
                 model.triangles.end = triangles.len();
             }
@@ -349,6 +369,8 @@ impl Geometry {
             triangles,
             models,
             colors: Vec::new(),
+            lightmap,
+            chart_offsets,
             surfaces: of_groups(&scene.groups, materials.iter().map(|m| Surface::new(m, texture))),
         })
     }

@@ -31,9 +31,10 @@ use crate::scene::detail::Exactness;
 use crate::scene::{Scene, SceneError, union};
 use blas::{Blas, LocalRay, TWO_SIDED};
 use geometry::{Placed, Surface};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::motion::Motions;
+use rebounce_shared::rbn::lightmap::ChartOffset;
 use tlas::{Instance, Tlas};
 use triangle::TriangleHit;
 
@@ -51,6 +52,8 @@ pub(crate) const MOST_PRIMITIVES: u64 = 1 << 25;
 pub struct TriangleSurfaces {
     /// BLAS of the triangles without instances.
     static_blas: Blas,
+    /// Of triangles without instances, then by number of the copy; empty without a lightmap.
+    chart_offsets: Vec<ChartOffset>,
     models: Vec<Blas>,
     instances: Tlas,
     surfaces: Vec<Surface>,
@@ -116,7 +119,7 @@ impl TriangleSurfaces {
             split::split(&mut geometry, (high - low).length());
         }
         let bounds = geometry.model_bounds();
-        let Geometry { triangles, models, colors, surfaces } = geometry;
+        let Geometry { triangles, models, colors, lightmap, chart_offsets, surfaces } = geometry;
         let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
         let alone = (end > 0).then(|| geometry::bounds(&triangles[..end]));
         let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| model.boxes(*bounds));
@@ -126,7 +129,8 @@ impl TriangleSurfaces {
         let padding = PADDING * diagonal;
         let blas = |range: std::ops::Range<usize>, padding: f32| {
             let colors = colors.get(range.clone()).unwrap_or_default();
-            Blas::new(&triangles[range.clone()], colors, range.start as u32, &surfaces, padding)
+            let lightmap = lightmap.get(range.clone()).unwrap_or_default();
+            Blas::new(&triangles[range.clone()], (colors, lightmap), range.start as u32, &surfaces, padding)
         };
         let primitives = |model: &Placed| model.triangles.len() as u64 * model.local_from_model.len() as u64;
         let static_blas = blas(0..end, padding);
@@ -138,6 +142,7 @@ impl TriangleSurfaces {
         Self {
             shining: emitters::shining(&static_blas, &models, &instances, &surfaces),
             static_blas,
+            chart_offsets,
             instances,
             primitives,
             models,
@@ -242,7 +247,16 @@ impl TriangleSurfaces {
             emitter,
             is_unlit,
             group: surface.group,
+            lightmap: self.lightmap_at(&found, m, direction),
         }
+    }
+
+    /// Returns the place of a hit in the lightmap, texels.
+    #[inline]
+    fn lightmap_at(&self, found: &LocatedTriangle, m: TriangleHit, direction: Vec3) -> Option<Vec2> {
+        let within = found.blas.lightmap(found.triangle, m.shares())?;
+        let offset = self.chart_offsets.get(found.copy.map_or(0, Instance::charts))?;
+        Some(within + offset.of_side(found.front().dot(direction) > 0.0).as_vec2())
     }
 
     /// Returns the distance of the nearest hit: the traversal of [`Surfaces::cast`] without shading.

@@ -6,7 +6,7 @@
 //! depends on the edge only, so neighbours stay joined.
 
 use super::geometry::{Geometry, Triangle};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Maximum number of halvings of an edge: from any scene down to the exactness of numbers.
 const MOST: u32 = 40;
@@ -15,17 +15,21 @@ const MOST: u32 = 40;
 pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let end = geometry.models.first().map_or(geometry.triangles.len(), |model| model.triangles.start);
     let has_colors = !geometry.colors.is_empty();
+    let has_lightmap = !geometry.lightmap.is_empty();
     let mut triangles = Vec::with_capacity(geometry.triangles.len());
     let mut colors = Vec::with_capacity(geometry.colors.len());
+    let mut lightmap = Vec::with_capacity(geometry.lightmap.len());
     for (i, &triangle) in geometry.triangles[..end].iter().enumerate() {
         let color = geometry.colors.get(i).copied().unwrap_or_default();
-        let mut left = vec![(triangle, color, 0)];
-        while let Some((triangle, color, depth)) = left.pop() {
-            match longest(&triangle, size).filter(|_| depth < 3 * MOST) {
-                Some(edge) => left.extend(halves(&triangle, color, edge).map(|(t, c)| (t, c, depth + 1))),
+        let texels = geometry.lightmap.get(i).copied().unwrap_or_default();
+        let mut left = vec![(Whole { triangle, color, texels }, 0)];
+        while let Some((whole, depth)) = left.pop() {
+            match longest(&whole.triangle, size).filter(|_| depth < 3 * MOST) {
+                Some(edge) => left.extend(halves(&whole, edge).map(|half| (half, depth + 1))),
                 None => {
-                    triangles.push(triangle);
-                    colors.extend(has_colors.then_some(color));
+                    triangles.push(whole.triangle);
+                    colors.extend(has_colors.then_some(whole.color));
+                    lightmap.extend(has_lightmap.then_some(whole.texels));
                 }
             }
         }
@@ -33,7 +37,8 @@ pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let more = triangles.len() - end;
     triangles.extend(&geometry.triangles[end..]);
     colors.extend(geometry.colors.get(end..).unwrap_or_default());
-    (geometry.triangles, geometry.colors) = (triangles, colors);
+    lightmap.extend(geometry.lightmap.get(end..).unwrap_or_default());
+    (geometry.triangles, geometry.colors, geometry.lightmap) = (triangles, colors, lightmap);
     for model in &mut geometry.models {
         model.triangles = model.triangles.start + more..model.triangles.end + more;
     }
@@ -53,18 +58,28 @@ fn middle(a: Vec3, b: Vec3) -> Vec3 {
     0.5 * (a + b)
 }
 
+/// A triangle with what else its corners have.
+#[derive(Clone, Copy)]
+struct Whole {
+    triangle: Triangle,
+    color: [Vec3; 3],
+    texels: [Vec2; 3],
+}
+
 /// Returns the two halves of a triangle with the edge from corner `i` halved.
-fn halves(triangle: &Triangle, color: [Vec3; 3], i: usize) -> [(Triangle, [Vec3; 3]); 2] {
+fn halves(whole: &Whole, i: usize) -> [Whole; 2] {
     let j = (i + 1) % 3;
-    let &Triangle { positions: p, normals: n, uvs, .. } = triangle;
+    let Whole { triangle: Triangle { positions: p, normals: n, uvs, .. }, color, texels } = whole;
     let position = middle(p[i], p[j]);
     // Not normalised, so that the halves have the normals of the original triangle.
     let (normal, uv, tone) = (middle(n[i], n[j]), 0.5 * (uvs[i] + uvs[j]), middle(color[i], color[j]));
+    let texel = 0.5 * (texels[i] + texels[j]);
     [i, j].map(|corner| {
-        let (mut half, mut color) = (*triangle, color);
-        (half.positions[corner], half.normals[corner], half.uvs[corner]) = (position, normal, uv);
-        color[corner] = tone;
-        (half, color)
+        let mut half = *whole;
+        let Triangle { positions, normals, uvs, .. } = &mut half.triangle;
+        (positions[corner], normals[corner], uvs[corner]) = (position, normal, uv);
+        (half.color[corner], half.texels[corner]) = (tone, texel);
+        half
     })
 }
 

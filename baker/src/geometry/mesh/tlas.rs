@@ -37,6 +37,12 @@ impl Instance {
         self.number
     }
 
+    /// Number of the copy's offset in a lightmap; 0 is that of triangles without instances.
+    #[inline]
+    pub fn charts(&self) -> usize {
+        self.number as usize + 1
+    }
+
     /// Transforms a ray to model space; distances along the ray stay the same.
     #[inline]
     pub fn line(&self, line: &LocalRay) -> LocalRay {

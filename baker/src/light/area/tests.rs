@@ -163,6 +163,7 @@ fn fixed_samples_are_near_the_closed_form_and_a_half_is_hidden_by_a_screen() {
         emitter: None,
         is_unlit: false,
         group: 0,
+        lightmap: None,
     };
     let mut stream = Stream::new(1, 1);
     let sum: f64 =

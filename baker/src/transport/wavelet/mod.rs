@@ -13,6 +13,7 @@
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
+//! | `lightmap` | the solution as a texture of packed unit squares |
 //! | `scene_patches`, `fixed` | the patches of a scene; its solution at the points of a file |
 //! | `complex_polygons` | triangles of a mesh put together to planar faces with holes |
 
@@ -23,6 +24,7 @@ mod emitter;
 mod fixed;
 mod form_factor;
 mod gather;
+pub mod lightmap;
 mod patch;
 mod receive;
 mod scene_patches;

@@ -28,6 +28,8 @@ pub struct ScenePatches {
     patches: Vec<(u32, u32, bool)>,
     /// By instance, the first patch of each face: front, then back.
     firsts: Vec<Vec<Option<u32>>>,
+    /// The scene's materials.
+    looks: Vec<Surface>,
     /// Mean linear RGB reflectance, and emitted radiance, by material.
     materials: Vec<(Vec3, Vec3)>,
     /// Faces that cannot be mapped: they neither shoot nor receive.
@@ -69,8 +71,9 @@ impl ScenePatches {
             firsts.push(of_instance);
         }
         let unmapped = firsts.iter().flatten().filter(|first| first.is_none()).count();
-        let materials = mean_looks(scene);
-        Some(Self { meshes, brep, surfaces, patches, firsts, materials, unmapped })
+        let looks = looks(scene);
+        let materials = mean_looks(scene, &looks);
+        Some(Self { looks, meshes, brep, surfaces, patches, firsts, materials, unmapped })
     }
 
     /// Number of patches: a two-sided face has two.
@@ -110,13 +113,49 @@ impl ScenePatches {
     }
 
     fn locate_within(&self, position: Vec3, normal: Vec3, reach: f32) -> Option<PatchCoordinates> {
-        let found = self.surfaces.locate(position + reach * normal, -normal, 2.0 * reach)?;
+        let found = self.surfaces.locate(&self.looks, position + reach * normal, -normal, 2.0 * reach)?;
         let faces = &self.brep.instances[found.instance as usize].faces;
         let first = self.firsts[found.instance as usize][(found.face - faces.start) as usize]?;
         let has_back = self.patches.get(first as usize + 1).is_some_and(|patch| patch.2);
         let mesh = self.meshes[found.face as usize].as_ref()?;
         let patch = first as usize + usize::from(has_back && found.is_back);
         Some(PatchCoordinates { patch, st: mesh.square(found.at) })
+    }
+}
+
+impl ScenePatches {
+    /// The virtual mesh of a patch.
+    pub fn mesh(&self, patch: usize) -> Option<&VirtualMesh> {
+        let (_, face, _) = self.patches.get(patch)?;
+        self.meshes[*face as usize].as_deref()
+    }
+
+    /// Area of the unit square of a patch, square scene units.
+    pub fn area(&self, patch: usize) -> f64 {
+        let (instance, ..) = self.patches[patch];
+        let scale = self.brep.instances[instance as usize].local_from_part.matrix3.determinant().abs().cbrt();
+        self.mesh(patch).map_or(0.0, |mesh| scale * scale * mesh.area())
+    }
+
+    /// Position and unit normal, on its side, of a point of a patch, local space.
+    pub fn point(&self, patch: usize, st: DVec2) -> [Vec3; 2] {
+        let (instance, _, is_back) = self.patches[patch];
+        let place = &self.brep.instances[instance as usize].local_from_part;
+        let Some(mesh) = self.mesh(patch) else { return [Vec3::ZERO; 2] };
+        let [position, normal] = mesh.point_and_normal(st);
+        let side = if is_back { -1.0 } else { 1.0 } * place.matrix3.determinant().signum();
+        let normal = place.matrix3.inverse().transpose() * normal * side;
+        [place.transform_point3(position).as_vec3(), normal.normalize_or_zero().as_vec3()]
+    }
+
+    /// The point of a patch's unit square at a position on it, local space, within `epsilon`: on a seam or at a pole, the one
+    /// nearest to `st`.
+    pub fn square_near(&self, patch: usize, position: Vec3, st: DVec2, epsilon: f32) -> DVec2 {
+        let (instance, ..) = self.patches[patch];
+        let part_from_local = self.brep.instances[instance as usize].local_from_part.inverse();
+        let tolerance = f64::from(epsilon) * part_from_local.matrix3.determinant().abs().cbrt();
+        let position = part_from_local.transform_point3(position.as_dvec3());
+        self.mesh(patch).map_or(st, |mesh| mesh.square_near(position, st, tolerance))
     }
 }
 
@@ -191,10 +230,14 @@ fn facing_front(scene: &Scene, triangle: usize) -> [u32; 3] {
     if (b - a).cross(c - a).dot(normal) < 0.0 { [i, k, j] } else { [i, j, k] }
 }
 
-/// Mean reflectance and emission of each material over its triangles, textures and vertex colours included.
-fn mean_looks(scene: &Scene) -> Vec<(Vec3, Vec3)> {
+/// The materials of a scene.
+fn looks(scene: &Scene) -> Vec<Surface> {
     let texture = |t: u32| scene.textures[t as usize].sampler();
-    let surfaces: Vec<Surface> = scene.materials.iter().map(|m| Surface::new(m, texture)).collect();
+    scene.materials.iter().map(|m| Surface::new(m, texture)).collect()
+}
+
+/// Mean reflectance and emission of each material over its triangles, textures and vertex colours included.
+fn mean_looks(scene: &Scene, surfaces: &[Surface]) -> Vec<(Vec3, Vec3)> {
     let mut sums = vec![(0.0f32, Vec3::ZERO, Vec3::ZERO); surfaces.len()];
     for (t, (corners, material)) in scene.triangles.iter().zip(&scene.triangle_material).enumerate() {
         let surface = &surfaces[*material as usize];

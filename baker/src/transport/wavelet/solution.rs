@@ -1,6 +1,6 @@
 //! Result of wavelet radiosity.
 
-use super::basis::Basis;
+use super::basis::{Basis, Order};
 use super::tree::Tree;
 use glam::{DVec2, Vec3};
 
@@ -45,6 +45,16 @@ impl WaveletSolution {
     /// Direct irradiance of patches that shine.
     pub fn irradiance_of_emitters(&self, patch: usize, st: DVec2) -> Vec3 {
         self.at(patch, st)[0]
+    }
+
+    /// Order of the basis.
+    pub fn order(&self) -> Order {
+        self.basis.order()
+    }
+
+    /// Level of the smallest cells of a patch.
+    pub fn depth(&self, patch: usize) -> u32 {
+        self.trees.get(patch).map_or(0, Tree::depth)
     }
 
     fn at(&self, patch: usize, st: DVec2) -> [Vec3; 2] {

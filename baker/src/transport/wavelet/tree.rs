@@ -204,6 +204,19 @@ impl Tree {
         })
     }
 
+    /// Level of the smallest cells.
+    pub(super) fn depth(&self) -> u32 {
+        let mut level = vec![0; self.nodes.len()];
+        // Quarters lie after their parents.
+        for node in 0..self.nodes.len() {
+            if let Some(first) = self.children(node) {
+                let below = level[node] + 1;
+                level[first..first + 4].fill(below);
+            }
+        }
+        level.into_iter().max().unwrap_or(0)
+    }
+
     /// Leaves that are not empty.
     pub(super) fn leaves(&self) -> usize {
         self.nodes.iter().filter(|node| node.children.is_none() && node.coverage != Coverage::Empty).count()

@@ -249,6 +249,7 @@ impl Surfaces for Ball {
             emitter: None,
             is_unlit: false,
             group: 0,
+            lightmap: None,
         })
     }
 

@@ -9,7 +9,7 @@ pub mod backdrop;
 pub mod shown;
 pub mod unlit;
 
-use crate::basis::{Evaluator, Leveled, Support};
+use crate::basis::Leveled;
 use crate::geometry::with_lights::WithLights;
 use crate::geometry::{Hit, HitEmitter, Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
@@ -24,6 +24,7 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::environment::{Environment, PackedEnvironment};
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::Lighting;
+use rebounce_shared::lightmap::MixedLightmap;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::radiosity::solver::Scene;
@@ -54,6 +55,8 @@ pub struct Relit {
     /// Light of every point along the point's normal: irradiance of the bounced light, and of the light straight from
     /// the sky and emissive surfaces.
     irradiance: Vec<PointLight>,
+    /// The same light at the texels of the file's lightmap; empty without one.
+    lightmap: MixedLightmap,
     /// Group of emissive surfaces of each material.
     group_of: Vec<Option<u32>>,
     basis: Leveled,
@@ -128,23 +131,11 @@ impl Relit {
         if reach.is_some() {
             irradiance.iter_mut().zip(&scene.openness).for_each(|(e, open)| *e = e.scaled(gain(*open)));
         }
-        let level = |l: usize| {
-            let range = scene.level(l);
-            let support = |i: usize| {
-                let p = &scene.points[i];
-                Support {
-                    position: p.position(),
-                    normal: p.normal(),
-                    radius: p.radius,
-                    cuts: scene.cuts_of(i),
-                    group: scene.group_of(i),
-                }
-            };
-            Evaluator::new(range.clone().map(support), range.start as u32)
-        };
-        let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
+        let basis = Leveled::of_baked(scene);
         let motions = motions.clone();
-        Self { lighting, irradiance, group_of: scene.sources.group_of_materials(), basis, reach, motions }
+        let lightmap = MixedLightmap::new(scene, &lighting.groups);
+        let group_of = scene.sources.group_of_materials();
+        Self { lighting, irradiance, lightmap, group_of, basis, reach, motions }
     }
 
     /// Interpolates the points' light at a surface element of a reconstruction group, RGB, local space: without detail,
@@ -168,7 +159,12 @@ impl Relit {
         self.light_at_hit(surfaces, hit, stream).bounced
     }
 
+    /// The light of the lightmap where the file has one, else of the points.
     fn light_at_hit(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> PointLight {
+        if let Some(texels) = hit.lightmap {
+            let [bounced, from_sources] = self.lightmap.at(texels);
+            return PointLight { bounced, from_sources };
+        }
         let open = |reach| {
             let normals = [hit.normal, hit.geometric_normal];
             received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))

@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{groups, light_groups};
+use crate::rbn::{groups, light_groups, lightmap};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -128,6 +128,8 @@ impl BakedScene {
     #[cfg(feature = "radiosity")]
     fn check_light_groups(&self) -> Result<(), RbnError> {
         light_groups::check(&self.light_groups, self.meta.lights.len(), self.points.len())?;
+        let columns = self.light_groups.columns();
+        lightmap::check(&self.lightmap, columns, self.vertices.len(), self.instances.len())?;
         let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();
         if self.is_solved() && links > 0 {
             return Err(RbnError::invalid("LGRP", "a file with groups of light has no links"));

@@ -8,6 +8,7 @@ use super::{Damaged, Reader, Writer};
 use crate::octahedral::NORMAL_STEP;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::light_groups::GroupValue;
+use crate::rbn::lightmap::{ChartOffset, Texel, TexelCoordinates};
 use bytemuck::Pod;
 
 /// Type of a 32-bit word of a record.
@@ -17,8 +18,8 @@ pub enum Kind {
     Number,
     /// A float.
     Float,
-    /// A direction, two 16-bit numbers.
-    Normal,
+    /// Two 16-bit numbers: a direction, or coordinates.
+    Pair,
     /// A colour, rgb9e5.
     Colour,
     /// Number of cuts, samples, first cut: [`Point::cuts`].
@@ -39,12 +40,12 @@ impl Columns for u32 {
 
 impl Columns for Vertex {
     const KINDS: &'static [Kind] =
-        &[Kind::Float, Kind::Float, Kind::Float, Kind::Normal, Kind::Float, Kind::Float];
+        &[Kind::Float, Kind::Float, Kind::Float, Kind::Pair, Kind::Float, Kind::Float];
 }
 
 impl Columns for Point {
     const KINDS: &'static [Kind] =
-        &[Kind::Float, Kind::Float, Kind::Float, Kind::Float, Kind::Normal, Kind::Cuts, Kind::Colour];
+        &[Kind::Float, Kind::Float, Kind::Float, Kind::Float, Kind::Pair, Kind::Cuts, Kind::Colour];
 }
 
 impl Columns for Instance {
@@ -57,6 +58,18 @@ impl Columns for Copies {
 
 impl Columns for GroupValue {
     const KINDS: &'static [Kind] = &[Kind::Steps];
+}
+
+impl Columns for TexelCoordinates {
+    const KINDS: &'static [Kind] = &[Kind::Pair];
+}
+
+impl Columns for ChartOffset {
+    const KINDS: &'static [Kind] = &[Kind::Pair; 2];
+}
+
+impl Columns for Texel {
+    const KINDS: &'static [Kind] = &[Kind::Colour];
 }
 
 impl Columns for Cut {
@@ -121,7 +134,7 @@ fn encode_column(kind: Kind, column: &[u32], writer: &mut Writer) {
                 encode_numbers(&numbers, writer);
             }
         },
-        Kind::Normal => {
+        Kind::Pair => {
             let halves = |word: u32| [word as i16, (word >> 16) as i16];
             let rounded = column.iter().all(|word| halves(*word).iter().all(|x| x % NORMAL_STEP == 0));
             let step = if rounded { NORMAL_STEP } else { 1 };
@@ -181,7 +194,7 @@ fn decode_column(kind: Kind, reader: &mut Reader<'_>, count: usize) -> Result<Ve
             }
             Ok(column)
         }
-        Kind::Normal => {
+        Kind::Pair => {
             let step = reader.number()? as u32;
             if step != 1 && step != NORMAL_STEP as u32 {
                 return Err(Damaged);
