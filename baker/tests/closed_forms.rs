@@ -42,6 +42,7 @@ impl Surfaces for Squares {
                     emitter: None,
                     is_unlit: false,
                     group: 0,
+                    lightmap: None,
                 }
             })
         };

@@ -26,7 +26,16 @@ const PICTURE: &[u8] = include_bytes!("../../tests/src/small.png");
 
 fn settings(form: Form, only: Only) -> ExportSettings {
     let density = Density::AtMost(10.0);
-    ExportSettings { form, density, max_size: 512, samples: 4, seed: 1, only, exposure: 1.0 }
+    ExportSettings {
+        form,
+        density,
+        max_size: 512,
+        is_unwrapped: false,
+        samples: 4,
+        seed: 1,
+        only,
+        exposure: 1.0,
+    }
 }
 
 /// Exports under the file's own lights, without detail.

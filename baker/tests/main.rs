@@ -24,6 +24,8 @@ mod groups;
 mod join;
 mod laws;
 mod leaks;
+#[cfg(feature = "exact-faces")]
+mod lightmap;
 mod materials;
 mod open;
 mod pairwise;

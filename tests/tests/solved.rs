@@ -10,12 +10,14 @@ use rebounce::bake::{FixedSolver, SolveSettings, solve};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::transport::radiosity::RadiositySettings;
+use rebounce::transport::wavelet::WaveletSettings;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::{Content, render};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::environment::{Environment, PackedEnvironment};
 use rebounce_shared::light::{COLOR, INTENSITY, Light, LightKind, POSITION};
 use rebounce_shared::mix::{Channel, mixed};
+use rebounce_shared::rbn::lightmap::TexelCoordinates;
 use rebounce_tests::small::settings;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::settings::Mode;
@@ -51,6 +53,37 @@ fn compare(name: &str, scene: &BakedScene, renderer: &mut Renderer, lights: &[Li
     println!("{name}: {error:.4}, bias {bias:+.4}");
     assert!(error < 0.03 && bias.abs() < 0.01, "{name}: {error}, bias {bias}");
     truth
+}
+
+#[test]
+fn a_lightmap_is_mixed_as_on_the_cpu() {
+    let bake = settings(2400);
+    let wavelets = WaveletSettings { convergence: 0.9, max_level: 3, ..WaveletSettings::default() };
+    let solver = FixedSolver::Wavelet(wavelets);
+    let settings = SolveSettings { bake, radiosity: RadiositySettings::default(), solver };
+    let file = solve(&open_box(false, false), &settings).unwrap().0;
+    let scene = BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap();
+    assert_eq!(scene.lightmap.layout.scales.len(), 5);
+    let Some(mut renderer) = common::renderer(&scene) else { return };
+    renderer.set_detail(false);
+    let own = scene.meta.lights.clone();
+    let whole = compare("lightmap", &scene, &mut renderer, &own);
+    let fewer = [own[1].with(INTENSITY.at, &[9.0]).with(COLOR.at, &[1.0, 0.1, 0.0])];
+    renderer.set_lights(fewer.to_vec()).unwrap();
+    let red = compare("lightmap of one lamp", &scene, &mut renderer, &fewer);
+    assert!(difference(&whole, &red).0 > 0.1, "the lights change the picture");
+    // Triangles without a chart have the light of the points beside those that have one.
+    let mut partial = scene.clone();
+    let (half, count) = (partial.indices.len() / 6 * 3, partial.vertices.len());
+    let mut is_left_out = vec![false; count];
+    partial.indices[..half].iter().for_each(|i| is_left_out[*i as usize] = true);
+    partial.indices[half..].iter().for_each(|i| is_left_out[*i as usize] = false);
+    for (at, out) in partial.lightmap.coordinates.iter_mut().zip(is_left_out) {
+        *at = if out { TexelCoordinates::NONE } else { *at };
+    }
+    let Some(mut renderer) = common::renderer(&partial) else { return };
+    renderer.set_detail(false);
+    compare("half a lightmap", &partial, &mut renderer, &own);
 }
 
 #[test]

@@ -36,6 +36,7 @@ impl Surfaces for BoxRoom {
             emitter: None,
             is_unlit: false,
             group: 0,
+            lightmap: None,
         })
     }
 

@@ -68,6 +68,9 @@ pub const UNLIT: u32 = 32;
 pub const BACKDROP: u32 = 64;
 /// Edges are smoothed when the picture is presented.
 pub const SMOOTH: u32 = 128;
+/// The file has a lightmap.
+#[cfg(feature = "radiosity")]
+pub const CHARTED: u32 = 256;
 
 /// The pipelines.
 pub struct CompositePass {
@@ -127,6 +130,9 @@ pub struct PictureSources<'a> {
     pub ground: &'a wgpu::Buffer,
     /// Equirectangular radiance behind the scene, if present.
     pub sky: Option<&'a wgpu::TextureView>,
+    /// Light of the lightmap, if there is one.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: Option<&'a wgpu::TextureView>,
 }
 
 /// The averaged picture of one size, and its bind groups.
@@ -160,6 +166,8 @@ impl CompositePass {
                 Slot::Uniform,
                 Slot::Texture,
                 Slot::Sampler,
+                #[cfg(feature = "radiosity")]
+                Slot::TextureLoad,
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
@@ -228,6 +236,8 @@ impl CompositePass {
             from.ground.as_entire_binding(),
             view(from.sky.unwrap_or(unread)),
             wgpu::BindingResource::Sampler(&self.around),
+            #[cfg(feature = "radiosity")]
+            view(from.lightmap.unwrap_or(unread)),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();

@@ -4,7 +4,7 @@
 //! * `shadow` – shadow maps of the lights;
 //! * `cached_direct` – the lights whose direct light at the points is evaluated anew;
 //! * `gbuffer` – albedo, normals, material and depth of the visible surfaces;
-//! * `display` – from points to pixels;
+//! * `display` – from points to pixels; `lightmap` – from a lightmap to pixels;
 //! * `blended` – glass, curtains, decals;
 //! * `composite` – shading, exposure, tone mapping;
 //! * `overlay` – points and handles over the picture.
@@ -16,6 +16,8 @@ pub mod cached_direct;
 pub mod composite;
 pub mod display;
 pub mod gbuffer;
+#[cfg(feature = "radiosity")]
+pub mod lightmap;
 pub mod overlay;
 pub mod settings;
 pub mod shadow;

@@ -99,7 +99,7 @@ impl Renderer {
             if self.dirty.view || self.pictures > 1 {
                 self.draw_view(encoder, scene, target, Sample::of(0), true);
             } else if self.dirty.display {
-                self.gather(encoder, target, true);
+                self.gather(encoder, scene, target, true);
             }
             let blended = self.update_key(encoder, scene, target, true);
             self.shade(encoder, scene, target, 0, !blended, true);
@@ -165,16 +165,25 @@ impl Renderer {
             &scene.materials.groups,
             stamps,
         );
-        let timing = self.timing.as_mut().filter(|_| timed);
-        let stamps = timing.and_then(|t| t.stamps(Pass::Find));
-        self.pipelines.display.find(&self.gpu, encoder, &target.display, stamps);
-        self.gather(encoder, target, timed);
+        if shows_points(scene) {
+            let timing = self.timing.as_mut().filter(|_| timed);
+            let stamps = timing.and_then(|t| t.stamps(Pass::Find));
+            self.pipelines.display.find(&self.gpu, encoder, &target.display, stamps);
+        }
+        self.gather(encoder, scene, target, timed);
     }
 
-    fn gather(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target, timed: bool) {
-        let timing = self.timing.as_mut().filter(|_| timed);
-        let stamps = timing.and_then(|t| t.stamps(Pass::Gather));
-        self.pipelines.display.gather(&self.gpu, encoder, &target.display, stamps);
+    fn gather(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene, target: &Target, timed: bool) {
+        if shows_points(scene) {
+            let timing = self.timing.as_mut().filter(|_| timed);
+            let stamps = timing.and_then(|t| t.stamps(Pass::Gather));
+            self.pipelines.display.gather(&self.gpu, encoder, &target.display, stamps);
+        }
+        #[cfg(feature = "radiosity")]
+        if let Some((lightmap, to)) = scene.lightmap.as_ref().zip(target.lightmap.as_ref()) {
+            let (upload, gbuffer) = (&scene.upload, &target.gbuffer);
+            self.pipelines.lightmap.draw(&self.gpu, encoder, to, gbuffer, upload, lightmap);
+        }
     }
 
     /// Draws the layers of blended surfaces with the picture's settings; no effect without blended surfaces.
@@ -225,6 +234,10 @@ impl Renderer {
         // Direct light is then a part of what the points hold.
         let from_sources = scene.is_some_and(|scene| scene.relight.has_sources());
         let skies = if self.mode == Mode::Indirect { Vec::new() } else { self.skies() };
+        #[cfg(feature = "radiosity")]
+        let charted = flag(scene.is_some_and(|scene| scene.lightmap.is_some()), composite::CHARTED);
+        #[cfg(not(feature = "radiosity"))]
+        let charted = 0;
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
@@ -233,7 +246,8 @@ impl Renderer {
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,
-            flags: flag(detailed, composite::DETAILED)
+            flags: charted
+                | flag(detailed, composite::DETAILED)
                 | flag(self.tone_mapping == ToneMapping::Agx, composite::AGX)
                 | flag(!self.auto_exposure, composite::MANUAL)
                 | flag(veiled.is_some(), composite::VEILED)
@@ -292,4 +306,16 @@ impl Renderer {
         }
         self.over = Some(own);
     }
+}
+
+/// Whether pixels of opaque surfaces show the light of points: not where a lightmap has all surfaces.
+#[cfg(feature = "radiosity")]
+fn shows_points(scene: &GpuScene) -> bool {
+    scene.lightmap.as_ref().is_none_or(|lightmap| !lightmap.is_whole)
+}
+
+/// Without lightmaps all of them do.
+#[cfg(not(feature = "radiosity"))]
+fn shows_points(_: &GpuScene) -> bool {
+    true
 }

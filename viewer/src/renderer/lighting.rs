@@ -188,6 +188,10 @@ impl Renderer {
             false => scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission),
         };
         scene.relight.set_strengths(&self.gpu, &strengths);
+        #[cfg(feature = "radiosity")]
+        if let Some(lightmap) = &scene.lightmap {
+            lightmap.set_strengths(&self.gpu, &strengths, self.parts);
+        }
         strengths.iter().any(|strength| *strength != Vec3::ZERO)
     }
 }

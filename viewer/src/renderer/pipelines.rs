@@ -6,6 +6,8 @@ use crate::passes::blended::BlendedPass;
 use crate::passes::composite::CompositePass;
 use crate::passes::display::DisplayPass;
 use crate::passes::gbuffer::GBufferPass;
+#[cfg(feature = "radiosity")]
+use crate::passes::lightmap::LightmapPass;
 use crate::passes::overlay::OverlayPass;
 use crate::passes::shadow::ShadowPipelines;
 use crate::scene::Loaders;
@@ -41,6 +43,9 @@ pub struct Pipelines {
     /// Radiosity; made for the first scene that takes it.
     #[cfg(feature = "radiosity")]
     pub radiosity: OnceCell<RadiosityPipelines>,
+    /// Light of lightmaps.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: LightmapPass,
     overlay: RefCell<Vec<Rc<OverlayPass>>>,
 }
 
@@ -61,6 +66,8 @@ impl Pipelines {
             mips: Mips::new(gpu),
             #[cfg(feature = "radiosity")]
             radiosity: OnceCell::new(),
+            #[cfg(feature = "radiosity")]
+            lightmap: LightmapPass::default(),
             overlay: RefCell::default(),
             material,
             shadow,
@@ -77,6 +84,8 @@ impl Pipelines {
             relight: &self.relight,
             #[cfg(feature = "radiosity")]
             radiosity: &self.radiosity,
+            #[cfg(feature = "radiosity")]
+            lightmap: &self.lightmap.layout,
         }
     }
 

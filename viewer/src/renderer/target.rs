@@ -8,6 +8,8 @@ use crate::passes::blended::{BlendedTarget, Veil};
 use crate::passes::composite::{self, Picture, PictureSources};
 use crate::passes::display::{self, DisplayTarget};
 use crate::passes::gbuffer::GBuffer;
+#[cfg(feature = "radiosity")]
+use crate::passes::lightmap::LightmapTarget;
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
 use crate::scene::sky::Sky;
@@ -30,6 +32,9 @@ pub struct Target {
     pub display: DisplayTarget,
     /// Blended surfaces, if present in the scene.
     pub blended: Option<BlendedTarget>,
+    /// Light of the lightmap, if the scene has one.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: Option<LightmapTarget>,
     /// The picture.
     pub picture: Picture,
     own: Scope,
@@ -65,6 +70,8 @@ impl Target {
         let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);
         let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
+        #[cfg(feature = "radiosity")]
+        let lightmap = scene.lightmap.as_ref().map(|_| pipelines.lightmap.target(gpu, &own, &frame, size));
         let sources = PictureSources {
             frame: &frame,
             shading: &shading,
@@ -76,6 +83,8 @@ impl Target {
             levels: &scene.relight.levels,
             ground: &scene.upload.ground,
             sky: sky.map(|sky| &sky.view),
+            #[cfg(feature = "radiosity")]
+            lightmap: lightmap.as_ref().map(|target| &target.picture),
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =
@@ -88,6 +97,8 @@ impl Target {
             gbuffer,
             display,
             blended,
+            #[cfg(feature = "radiosity")]
+            lightmap,
             picture,
             own,
         }

@@ -4,6 +4,7 @@
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
 //! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
+//! * `lightmap` – the light of a fixed solution as a texture;
 //! * `materials`, `textures` – a bind group per material, mip levels;
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
 //! * `triangles` – the surfaces on the CPU, for ray casts;
@@ -17,6 +18,8 @@ pub mod draw_batch;
 pub mod extent;
 mod fronts;
 pub(crate) mod ground;
+#[cfg(feature = "radiosity")]
+pub mod lightmap;
 pub mod materials;
 #[cfg(feature = "radiosity")]
 pub mod moving;
@@ -37,6 +40,8 @@ use crate::gpu::Gpu;
 use crate::gpu::scope::Scope;
 use extent::Extent;
 use glam::Vec3;
+#[cfg(feature = "radiosity")]
+use lightmap::{GpuLightmap, LightmapLayoutCell};
 use materials::Materials;
 #[cfg(feature = "radiosity")]
 use moving::Moving;
@@ -65,6 +70,9 @@ pub struct Loaders<'a> {
     /// Radiosity; made for the first scene that takes it.
     #[cfg(feature = "radiosity")]
     pub radiosity: &'a OnceCell<RadiosityPipelines>,
+    /// The layout of lightmaps.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: &'a LightmapLayoutCell,
 }
 
 /// A scene on the GPU, with its metadata on the CPU.
@@ -82,6 +90,9 @@ pub struct GpuScene {
     /// Nodes that move, of a scene that radiosity can light.
     #[cfg(feature = "radiosity")]
     pub moving: Option<Moving>,
+    /// Lightmap of a fixed solution, if there is one.
+    #[cfg(feature = "radiosity")]
+    pub lightmap: Option<GpuLightmap>,
     /// Points of each level.
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
@@ -115,7 +126,8 @@ impl GpuScene {
     /// Bytes on the GPU for bounced light.
     pub fn light_bytes(&self) -> u64 {
         #[cfg(feature = "radiosity")]
-        let more = self.moving.as_ref().map_or(0, Moving::bytes);
+        let more = self.moving.as_ref().map_or(0, Moving::bytes)
+            + self.lightmap.as_ref().map_or(0, GpuLightmap::bytes);
         #[cfg(not(feature = "radiosity"))]
         let more = 0;
         self.relight.bytes() + more
@@ -145,6 +157,8 @@ impl GpuScene {
         })?;
         #[cfg(not(feature = "radiosity"))]
         let () = moving;
+        #[cfg(feature = "radiosity")]
+        let lightmap = gpu.watch(|| GpuLightmap::new(gpu, loaders.lightmap, &scene))?;
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
@@ -168,6 +182,8 @@ impl GpuScene {
             relight,
             #[cfg(feature = "radiosity")]
             moving,
+            #[cfg(feature = "radiosity")]
+            lightmap,
             finest_radius,
             open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
             near,

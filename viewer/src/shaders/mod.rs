@@ -71,17 +71,32 @@ modules! {
     /// From sums to pixels.
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "backdrop" "fullscreen" "composite";
+    #[cfg(feature = "radiosity")]
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "backdrop" "fullscreen" "composite";
+    /// The tone-mapped picture.
+    #[cfg(not(feature = "radiosity"))]
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "look";
+    #[cfg(feature = "radiosity")]
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "look";
+    /// Luminance of some pixels.
+    #[cfg(not(feature = "radiosity"))]
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "fullscreen" "indirect";
+    #[cfg(feature = "radiosity")]
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "fullscreen" "indirect";
+    /// Bounced light alone.
+    #[cfg(not(feature = "radiosity"))]
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.
     MIPS: "fullscreen" "mips";
+    /// Light of a lightmap on the visible surfaces.
+    #[cfg(feature = "radiosity")]
+    LIGHTMAP: "octahedral" "frame" "model" "lightmap";
     /// Radiosity: irradiance of receivers by rays.
     #[cfg(feature = "radiosity")]
     GATHER_LIGHT: "octahedral" "point" "kernel" "cuts" "lookup" "groups" "radiosity_pass" "bvh" "hemisphere" "reconstruct" "gather_light";

@@ -58,7 +58,7 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
     let surface = surface_unpack(texel, material, (shading.flags & DETAILED) != 0u);
     var bounced = mat2x3f();
     if shading.indirect > 0.0 {
-        bounced = bounced_irradiance(pixel, (shading.flags & DETAILED) != 0u);
+        bounced = shown_bounced(pixel, (shading.flags & DETAILED) != 0u);
     }
     let position = position_at(frame, vec2f(pixel) + 0.5, depth);
     return vec4f(reflected(surface, albedo.rgb, position, bounced, true), 1.0);

@@ -155,9 +155,12 @@ impl Blas {
     }
 
     /// Returns the place in the lightmap at barycentric weights of a triangle's corners, texels, before the offset of the copy;
-    /// `None` without a chart.
+    /// `None` without a chart. Only what is built with exact faces makes lightmaps, and shows them.
     #[inline]
     pub fn lightmap(&self, triangle: usize, [u, v, w]: [f32; 3]) -> Option<Vec2> {
+        if !cfg!(feature = "exact-faces") {
+            return None;
+        }
         let at = self.lightmap.get(triangle)?;
         Some(at[0] * u + at[1] * v + at[2] * w).filter(|at| !at.is_nan())
     }

@@ -353,7 +353,7 @@ impl Geometry {
                     material: draw.material,
                 }
             }));
-            if !scene.lightmap.is_empty() {
+            if cfg!(feature = "exact-faces") && !scene.lightmap.is_empty() {
                 let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
                 let place = |i: u32| match scene.lightmap.coordinates[i as usize] {
                     TexelCoordinates::NONE => Vec2::NAN,

@@ -133,7 +133,10 @@ impl Relit {
         }
         let basis = Leveled::of_baked(scene);
         let motions = motions.clone();
-        let lightmap = MixedLightmap::new(scene, &lighting.groups);
+        let lightmap = match cfg!(feature = "exact-faces") {
+            true => MixedLightmap::new(scene, &lighting.groups),
+            false => MixedLightmap::default(),
+        };
         let group_of = scene.sources.group_of_materials();
         Self { lighting, irradiance, lightmap, group_of, basis, reach, motions }
     }

@@ -150,25 +150,41 @@ impl ModelLayout {
 
 /// Gives each vertex coordinates; one that lies on several charts, or at a seam, becomes several.
 fn divide_vertices(file: &mut BakedScene, layouts: &[ModelLayout]) -> Vec<TexelCoordinates> {
-    let mut of_corner = vec![TexelCoordinates::NONE; file.indices.len()];
+    // By index, its chart and coordinates.
+    let mut of_corner = vec![None; file.indices.len()];
+    let mut first_chart = 0;
     for layout in layouts {
         for triangle in &layout.model.triangles {
             for (k, st) in triangle.corners.iter().enumerate() {
                 let st = st.clamp(DVec2::ZERO, DVec2::ONE);
                 let texels = layout.texels(triangle.chart as usize, st).as_vec2();
-                of_corner[triangle.first_index as usize + k] = TexelCoordinates::nearest(texels);
+                let corner = (first_chart + triangle.chart, TexelCoordinates::nearest(texels));
+                of_corner[triangle.first_index as usize + k] = Some(corner);
             }
         }
+        first_chart += layout.model.charts.len() as u32;
     }
-    let mut known: HashMap<(u32, TexelCoordinates), u32> = HashMap::new();
+    let mut known: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
     let (mut vertices, mut coordinates): (Vec<Vertex>, Vec<TexelCoordinates>) = Default::default();
-    for (index, at) in file.indices.iter_mut().zip(of_corner) {
-        let old = *index;
-        *index = *known.entry((old, at)).or_insert_with(|| {
-            vertices.push(file.vertices[old as usize]);
-            coordinates.push(at);
-            vertices.len() as u32 - 1
-        });
+    for (index, corner) in file.indices.iter_mut().zip(of_corner) {
+        let (chart, at) = match corner {
+            Some((chart, at)) => (Some(chart), at),
+            None => (None, TexelCoordinates::NONE),
+        };
+        let same = known.entry((*index, chart)).or_default();
+        // Rounding may take triangles that meet there to neighbouring steps.
+        let is_here = |v: &&u32| {
+            let own = coordinates[**v as usize].0;
+            own.iter().zip(at.0).all(|(a, b)| a.abs_diff(b) <= 1)
+        };
+        if let Some(v) = same.iter().find(is_here) {
+            *index = *v;
+            continue;
+        }
+        vertices.push(file.vertices[*index as usize]);
+        coordinates.push(at);
+        *index = vertices.len() as u32 - 1;
+        same.push(*index);
     }
     file.vertices = vertices;
     coordinates
