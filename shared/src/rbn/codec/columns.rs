@@ -81,15 +81,19 @@ const EXPONENT_BIAS: i32 = 256;
 
 /// Packs records.
 pub fn encode<T: Columns>(records: &[T]) -> Vec<u8> {
+    encode_words(bytemuck::cast_slice(records), T::KINDS)
+}
+
+/// One copy of the code for all records.
+fn encode_words(words: &[u32], kinds: &[Kind]) -> Vec<u8> {
     let mut writer = Writer::default();
-    writer.number(records.len());
-    let width = T::KINDS.len();
-    let words: &[u32] = bytemuck::cast_slice(records);
-    for (w, kind) in T::KINDS.iter().enumerate() {
+    let width = kinds.len();
+    writer.number(words.len() / width);
+    for (w, kind) in kinds.iter().enumerate() {
         let column: Vec<u32> = words.iter().skip(w).step_by(width).copied().collect();
         encode_column(*kind, &column, &mut writer);
     }
-    writer.finish(size_of_val(records))
+    writer.finish(size_of_val(words))
 }
 
 /// Unpacks the records of a section.
@@ -97,21 +101,24 @@ pub fn encode<T: Columns>(records: &[T]) -> Vec<u8> {
 /// # Errors
 /// [`Damaged`].
 pub fn decode<T: Columns>(section: &[u8]) -> Result<Vec<T>, Damaged> {
-    let size = size_of::<T>();
     let mut reader = Reader::new(section);
     let count = reader.number()?;
-    reader.allow(count.checked_mul(size).ok_or(Damaged)?)?;
+    reader.allow(count.checked_mul(size_of::<T>()).ok_or(Damaged)?)?;
     let mut out = vec![T::zeroed(); count];
-    let words: &mut [u32] = bytemuck::cast_slice_mut(&mut out);
-    let width = T::KINDS.len();
-    for (w, kind) in T::KINDS.iter().enumerate() {
-        let column = decode_column(*kind, &mut reader, count)?;
+    decode_words(&mut reader, bytemuck::cast_slice_mut(&mut out), T::KINDS)?;
+    reader.finish()?;
+    Ok(out)
+}
+
+fn decode_words(reader: &mut Reader<'_>, words: &mut [u32], kinds: &[Kind]) -> Result<(), Damaged> {
+    let width = kinds.len();
+    for (w, kind) in kinds.iter().enumerate() {
+        let column = decode_column(*kind, reader, words.len() / width)?;
         for (records, column) in words.chunks_mut(CHUNK * width).zip(column.chunks(CHUNK)) {
             put(records, [w, width], column);
         }
     }
-    reader.finish()?;
-    Ok(out)
+    Ok(())
 }
 
 fn encode_column(kind: Kind, column: &[u32], writer: &mut Writer) {
