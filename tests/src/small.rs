@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveSettings, bake, solve};
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
+use rebounce::transport::wavelet::WaveletSettings;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::environment::Environment;
 use rebounce_shared::light::Light;
@@ -124,6 +125,18 @@ pub fn solved(functions: usize) -> Result<BakedScene> {
         &SolveSettings { bake: settings(functions), radiosity, solver: FixedSolver::Radiosity },
     )?
     .0)
+}
+
+/// Solves the Cornell box by wavelets, with a lightmap.
+///
+/// # Errors
+/// Errors of loading and of the solver.
+pub fn charted(functions: usize) -> Result<BakedScene> {
+    let wavelets = WaveletSettings { max_level: 1, convergence: 0.5, ..WaveletSettings::default() };
+    let solver = FixedSolver::Wavelet(wavelets);
+    let radiosity = RadiositySettings::default();
+    let scene = rebounce::io::load("builtin:cornell-box")?;
+    Ok(solve(&scene, &SolveSettings { bake: settings(functions), radiosity, solver })?.0)
 }
 
 /// Returns the scene with `name` for every name.

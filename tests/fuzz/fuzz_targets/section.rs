@@ -7,6 +7,7 @@ use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
 use rebounce_shared::rbn::light_groups::{self, GroupValue};
+use rebounce_shared::rbn::lightmap::{self, ChartOffset, Texel, TexelCoordinates};
 use rebounce_shared::rbn::{RbnError, meta, sources};
 
 fn records<T: columns::Columns>(bytes: &[u8]) {
@@ -29,7 +30,7 @@ fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 13 {
+    match which % 17 {
         0 => whole(section, meta::decode, |meta| meta::encode(meta).expect("it was as small before")),
         1 => records::<Vertex>(section),
         2 => records::<u32>(section),
@@ -47,6 +48,12 @@ fuzz_target!(|bytes: &[u8]| {
         11 => whole(section, light_groups::decode, |all| {
             light_groups::encode(all).expect("it was as small before").expect("no group is refused")
         }),
-        _ => records::<GroupValue>(section),
+        12 => records::<GroupValue>(section),
+        13 => whole(section, lightmap::decode, |layout| {
+            lightmap::encode(layout).expect("it was as small before")
+        }),
+        14 => records::<TexelCoordinates>(section),
+        15 => records::<ChartOffset>(section),
+        _ => records::<Texel>(section),
     }
 });
