@@ -78,7 +78,8 @@ pub(crate) fn root_between(
         return None;
     }
     // Where the chord is 0, but not near an end: there the function may be flat.
-    let share = (ends[0] / (ends[0] - ends[1])).max(FARTHEST_START).min(1.0 - FARTHEST_START);
+    let chord = ends[0] / (ends[0] - ends[1]);
+    let share = if chord.is_nan() { 0.5 } else { chord.clamp(FARTHEST_START, 1.0 - FARTHEST_START) };
     let mut s = low + share * (high - low);
     let mut step = high - low;
     // Every second step at least halves, or the interval does: 1e-16 of it is reached.

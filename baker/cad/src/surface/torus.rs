@@ -68,7 +68,7 @@ pub(super) fn roots(major: f64, minor: f64, ray: &LocalRay, distances: [f64; 2])
     let Some(mut span) = box_span(minor, o, d) else { return roots };
     let [first, last] = distances.map(|distance| ray.length_at(distance) / size);
     span = [span[0].max(first - BEYOND), span[1].min(last + BEYOND)];
-    if !(span[0] < span[1]) {
+    if span[0] >= span[1] {
         return roots;
     }
     // A quarter of the quartic's slope, s³ + p s + q: o is nearest to the centre, o · d = 0.
