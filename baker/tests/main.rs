@@ -14,6 +14,7 @@ mod closed_forms;
 mod communicator;
 mod copies;
 mod door;
+mod exact_enclosures;
 mod examples;
 mod export;
 mod first_view;

@@ -30,6 +30,7 @@ mod names;
 mod npm;
 mod package;
 mod plot_estimate;
+mod plot_jacobian;
 mod process;
 mod refine;
 mod report;
@@ -101,6 +102,9 @@ cargo xtask plot-estimate [--record] [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/reports/estimate.svg how right the time left was; a log of
                      `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named.
                      --record: writes the courses that the estimate's tests replay
+cargo xtask plot-jacobian
+                     draws the unit square on surfaces by natural parameters and by the virtual mesh:
+                     docs/method/jacobian.svg
 cargo xtask refine   compares both ways to refine the operator, at equal bytes and at equal seconds, and writes
                      docs/reports/refine.md; a quarter of an hour
 cargo xtask install  installs what the others need, and says what";
@@ -140,6 +144,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("soak") => soak::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
+        Some("plot-jacobian") => plot_jacobian::run(),
         Some("refine") => refine::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),

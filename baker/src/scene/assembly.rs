@@ -2,12 +2,12 @@
 
 use super::brep::{Brep, BrepFace, BrepInstance};
 use super::groups::{MaterialGroup, NodeGroups, assign};
-use super::model::divide;
+use super::model::{bounds_of_placed, divide};
 use super::world_mesh::{WorldInstancedMesh, WorldMesh};
 use super::{Scene, SceneError};
 use glam::{DAffine3, DMat4, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-use rebounce_cad::model::{Assembly, Part};
+use rebounce_cad::model::{Assembly, Part, PartInstance};
 use rebounce_cad::tessellate::{self, Tessellation};
 use rebounce_shared::rbn::MAX_MATERIALS;
 use rebounce_shared::rbn::meta::Material;
@@ -85,7 +85,7 @@ impl Scene {
             return Err(SceneError::Empty { file: file.to_owned() });
         }
         let local_from_world = DAffine3::from_translation(-DVec3::from(scene.origin));
-        let placed = |instance: &rebounce_cad::model::PartInstance| BrepInstance {
+        let placed = |instance: &PartInstance| BrepInstance {
             faces: ranges[instance.part].clone(),
             local_from_part: local_from_world * instance.world_from_part,
         };
@@ -168,13 +168,7 @@ fn prepare(
         (PreparedPart { bounds, faces, triangles: Vec::new() }, flaws)
     };
     let mut parts: Vec<(PreparedPart, Flaws)> = assembly.parts.par_iter().zip(materials).map(cast).collect();
-    let corners = assembly.instances.iter().map(|instance| {
-        let [low, high] = parts[instance.part].0.bounds;
-        [low, high].map(|corner| instance.world_from_part.transform_point3(corner))
-    });
-    let corners: Vec<DVec3> = corners.flatten().filter(|corner| corner.is_finite()).collect();
-    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let [low, high] = bounds(&assembly.instances, |part| parts[part].0.bounds);
     let of_assembly = OF_ASSEMBLY * (high - low).length();
     parts.par_iter_mut().for_each(|(part, flaws)| {
         let [low, high] = part.bounds;
@@ -205,6 +199,15 @@ fn prepare(
         out.push(prepared);
     }
     out
+}
+
+/// Least and greatest corner of the boxes of all instances, by the box of a part; parts without a finite one do not count.
+fn bounds(instances: &[PartInstance], of_part: impl Fn(usize) -> [DVec3; 2]) -> [DVec3; 2] {
+    let boxes =
+        instances.iter().map(|placed| bounds_of_placed(&placed.world_from_part, of_part(placed.part)));
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let finite = boxes.filter(|corners| corners.iter().all(|corner| corner.is_finite()));
+    finite.fold(empty, |[low, high], [least, most]| [low.min(least), high.max(most)])
 }
 
 /// Adds the triangles of a part at its placements: as models where that saves much.
@@ -244,5 +247,41 @@ fn append(part: &PreparedPart, world_from_part: &DAffine3, out: &mut WorldMesh) 
             [first + a, first + b, first + c]
         }));
         out.triangle_material.resize(out.triangles.len(), face.material);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    #[test]
+    fn the_box_of_turned_instances_has_all_corners_of_theirs() {
+        let of_part = |part: usize| match part {
+            0 => [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)],
+            _ => [DVec3::INFINITY, DVec3::NEG_INFINITY],
+        };
+        let placed = |part, turn: f64, along: f64| PartInstance {
+            part,
+            path: Vec::new(),
+            world_from_part: DAffine3::from_rotation_translation(
+                DQuat::from_rotation_z(turn.to_radians()),
+                along * DVec3::X,
+            ),
+        };
+        // By 45 degrees, least and greatest corner come to lie above each other.
+        let [low, high] = bounds(&[placed(0, 45.0, 0.0), placed(1, 0.0, 0.0)], of_part);
+        let half = 0.5 * 2f64.sqrt();
+        assert!(low.distance(DVec3::new(-half, 0.0, 0.0)) < 1e-15, "{low}");
+        assert!(high.distance(DVec3::new(half, 2.0 * half, 0.0)) < 1e-15, "{high}");
+        let instances: Vec<PartInstance> =
+            (0..8).map(|i| placed(0, 40.0 * f64::from(i), 0.3 * f64::from(i))).collect();
+        let [low, high] = bounds(&instances, of_part);
+        for place in &instances {
+            for corner in [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.0)] {
+                let corner = place.world_from_part.transform_point3(corner);
+                assert!((corner - low).min_element() > -1e-12 && (high - corner).min_element() > -1e-12);
+            }
+        }
     }
 }

@@ -7,12 +7,18 @@
 
 use crate::curve::Curve;
 use crate::face::Face;
+use crate::spline::meet::SplineHits;
 use crate::spline::{BezierPatch, patches};
-use crate::surface::{NurbsSurface, Ray, Surface, SurfaceHit, SurfaceHits};
+use crate::surface::plane;
+use crate::surface::{LineMeetings, NurbsSurface, Ray, Surface, SurfaceHit};
 use crate::trim::{Coverage, TrapezoidalMap, TrimError};
+use flatten::flattened;
 use glam::{DVec2, DVec3};
+use oriented_box::{MARGIN, OrientedBox, ROUNDING};
 use std::f64::consts::{FRAC_PI_2, PI};
 
+mod flatten;
+mod oriented_box;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -46,9 +52,15 @@ enum PieceShape {
     /// Patch of a surface with a closed form: least and greatest parameters.
     Patch([DVec2; 2]),
     /// Piece of a spline.
-    Bezier(Box<BezierPatch>),
+    Bezier(Box<SplinePiece>),
     /// Piece of a swept surface, whose parameters are not those of the patch.
-    Swept(Box<BezierPatch>),
+    Swept(Box<SplinePiece>),
+}
+
+#[derive(Clone, Debug)]
+struct SplinePiece {
+    around: OrientedBox,
+    patch: BezierPatch,
 }
 
 impl CastFace {
@@ -61,14 +73,26 @@ impl CastFace {
         let cast = Self { surface: face.surface.clone(), map, is_reversed: face.is_reversed };
         let domain = cast.map.bounds();
         let pieces = match &cast.surface {
-            Surface::Nurbs(nurbs) => cast.of_splines(patches(nurbs), PieceShape::Bezier),
+            Surface::Nurbs(nurbs) => cast.of_splines(patches(nurbs), PieceShape::Bezier, |range, _| range),
             Surface::Revolution { frame, profile } => {
                 let swept = sweep::revolution(frame, profile, domain);
-                cast.of_splines(patches(&swept), PieceShape::Swept)
+                let ends = [domain[0].x, domain[1].x];
+                cast.of_splines(patches(&swept), PieceShape::Swept, |range, whole| {
+                    let [low, high] = range.map(|at| DVec2::new(sweep::angle(ends, at.x), at.y));
+                    match sweep::keeps_parameters(profile) {
+                        true => [low, high],
+                        false => [DVec2::new(low.x, whole[0].y), DVec2::new(high.x, whole[1].y)],
+                    }
+                })
             }
             Surface::Extrusion { profile, along } => {
                 let swept = sweep::extrusion(profile, *along, domain);
-                cast.of_splines(patches(&swept), PieceShape::Swept)
+                cast.of_splines(patches(&swept), PieceShape::Swept, |range, whole| {
+                    match sweep::keeps_parameters(profile) {
+                        true => range,
+                        false => [DVec2::new(whole[0].x, range[0].y), DVec2::new(whole[1].x, range[1].y)],
+                    }
+                })
             }
             _ => {
                 let mut pieces = Vec::new();
@@ -84,9 +108,21 @@ impl CastFace {
         &self.surface
     }
 
+    /// Whether [`Self::nearest`] leaves anything for other pieces.
+    pub fn has_line_meetings(&self) -> bool {
+        use Surface::{Cone, Cylinder, Sphere, Torus};
+        matches!(self.surface, Cylinder { .. } | Cone { .. } | Sphere { .. } | Torus { .. })
+    }
+
     /// Domain of the face.
     pub fn map(&self) -> &TrapezoidalMap {
         &self.map
+    }
+
+    /// Point and unit normal of the face at parameters of its surface.
+    pub fn point_and_normal(&self, at: DVec2) -> [DVec3; 2] {
+        let [point, normal] = self.surface.point_and_normal(at);
+        [point, if self.is_reversed { -normal } else { normal }]
     }
 
     /// Unit normal of the face at parameters of its surface.
@@ -95,25 +131,52 @@ impl CastFace {
         if self.is_reversed { -normal } else { normal }
     }
 
-    /// The nearest hit of a ray with a piece, at distances from the first to the second, of those that `is_wanted`.
+    /// The nearest hit of a ray with a piece, at distances from the first to the second, of those that `is_wanted`. `known` is
+    /// what earlier calls for the same ray and face have left there, for whichever pieces, at these or greater distances; `None`
+    /// for the first one.
     pub fn nearest(
         &self,
         piece: &FacePiece,
         ray: &Ray,
+        known: &mut Option<LineMeetings>,
         distances: [f64; 2],
         is_wanted: impl Fn(&SurfaceHit) -> bool,
     ) -> Option<SurfaceHit> {
+        let is_between = |distance: f64| distances[0] <= distance && distance <= distances[1];
         let belongs = |hit: &SurfaceHit| (piece.is_plain || self.map.contains(hit.at)) && is_wanted(hit);
         match &piece.shape {
             PieceShape::Patch(patch) => {
-                let mut found = SurfaceHits::default();
-                self.surface.meet(ray, patch, distances, &mut found);
-                found.iter().copied().find(belongs)
+                if let Surface::Plane(frame) = &self.surface {
+                    let hit = plane::meet(frame, ray).filter(|hit| is_between(hit.distance))?;
+                    let is_in_patch = hit.at.cmpge(patch[0]).all() && hit.at.cmple(patch[1]).all();
+                    return (is_in_patch && belongs(&hit)).then_some(hit);
+                }
+                if known.is_none() {
+                    *known = self.surface.line_meetings(ray, &self.map.bounds(), distances);
+                }
+                let meetings = known.as_mut()?;
+                let reach = MARGIN * (piece.bounds[1] - piece.bounds[0]).max_element()
+                    + ROUNDING * ray.origin.abs().max_element();
+                let [low, high] = [piece.bounds[0] - reach, piece.bounds[1] + reach];
+                (0..meetings.count()).find_map(|index| {
+                    let distance = meetings.distance(index);
+                    let place = ray.origin + distance * ray.direction;
+                    let may_be_here =
+                        is_between(distance) && place.cmpge(low).all() && place.cmple(high).all();
+                    if !may_be_here {
+                        return None;
+                    }
+                    meetings.in_patch(index, &self.surface, patch).filter(belongs)
+                })
             }
-            PieceShape::Bezier(patch) => Self::first(patch, ray, distances, |hit| hit).find(belongs),
-            PieceShape::Swept(patch) => {
+            PieceShape::Bezier(spline) => {
+                let hits = Self::spline_hits(piece, spline, ray, distances);
+                hits.into_iter().find(belongs)
+            }
+            PieceShape::Swept(spline) => {
+                let hits = Self::spline_hits(piece, spline, ray, distances);
                 let exact = |hit: SurfaceHit| SurfaceHit { at: self.swept(ray, &hit), ..hit };
-                Self::first(patch, ray, distances, exact).find(belongs)
+                hits.into_iter().map(exact).find(belongs)
             }
         }
     }
@@ -130,36 +193,37 @@ impl CastFace {
         known.unwrap_or_else(|| self.surface.invert(position(), Some(hit.at)))
     }
 
-    /// Hits of a ray with a Bézier patch, near ones first.
-    fn first(
-        patch: &BezierPatch,
-        ray: &Ray,
-        distances: [f64; 2],
-        exact: impl Fn(SurfaceHit) -> SurfaceHit,
-    ) -> impl Iterator<Item = SurfaceHit> {
-        let mut found = Vec::new();
-        patch.meet(ray, distances, &mut found);
-        found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        found.into_iter().map(exact)
+    /// Hits of a ray with a piece of a spline, near ones first.
+    fn spline_hits(piece: &FacePiece, spline: &SplinePiece, ray: &Ray, distances: [f64; 2]) -> SplineHits {
+        let mut found = SplineHits::new();
+        if spline.around.may_meet(ray, distances) {
+            spline.patch.meet_within(&piece.bounds, ray, distances, &mut found);
+            found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        }
+        found
     }
 
-    /// Pieces of a spline that are not outside the domain.
+    /// Pieces of a spline that are not outside the domain. `covered` has the parameters that a piece covers, of its range and
+    /// that of its patch.
     fn of_splines(
         &self,
         patches: Vec<BezierPatch>,
-        shape: impl Fn(Box<BezierPatch>) -> PieceShape,
+        shape: impl Fn(Box<SplinePiece>) -> PieceShape,
+        covered: impl Fn([DVec2; 2], [DVec2; 2]) -> [DVec2; 2],
     ) -> Vec<FacePiece> {
-        let piece = |patch: BezierPatch| {
-            let coverage = self.map.coverage(patch.range);
+        let whole: Vec<[DVec2; 2]> = patches.iter().map(|patch| patch.range).collect();
+        let piece = |(number, patch): (usize, BezierPatch)| {
+            let coverage = self.map.coverage(covered(patch.range, whole[number]));
             let bounds = patch.bounds();
             let is_plain = coverage == Coverage::Plain;
+            let around = OrientedBox::of(&patch);
             (coverage != Coverage::Empty).then(|| FacePiece {
-                shape: shape(Box::new(patch)),
+                shape: shape(Box::new(SplinePiece { around, patch })),
                 is_plain,
                 bounds,
             })
         };
-        patches.into_iter().filter_map(piece).collect()
+        flattened(patches).into_iter().filter_map(piece).collect()
     }
 
     /// Halves a patch of a surface with a closed form until it is a piece.

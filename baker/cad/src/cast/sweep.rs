@@ -17,21 +17,26 @@ fn arcs(low: f64, high: f64) -> (usize, f64) {
 }
 
 /// Whether a NURBS curve made of this one has its parameters everywhere.
-fn keeps_parameters(profile: &Curve) -> bool {
+pub(super) fn keeps_parameters(profile: &Curve) -> bool {
     matches!(profile, Curve::Line { .. } | Curve::Nurbs(_))
 }
 
-/// Parameters of a surface of revolution, for those of the spline that [`revolution`] makes of it with these least and greatest
-/// angles; `None` if the profile's cannot be told.
-pub(super) fn of_revolution(profile: &Curve, [low, high]: [f64; 2], at: DVec2) -> Option<DVec2> {
+/// The angle of a surface of revolution, for the parameter of the spline that [`revolution`] makes of it with these least and
+/// greatest angles.
+pub(super) fn angle([low, high]: [f64; 2], at: f64) -> f64 {
     let (count, step) = arcs(low, high);
-    let arc = ((at.x - low) / step).floor().clamp(0.0, (count - 1) as f64);
-    let t = (at.x - low) / step - arc;
+    let arc = ((at - low) / step).floor().clamp(0.0, (count - 1) as f64);
+    let t = (at - low) / step - arc;
     // The rational quadratic arc with poles at 0, at the tangents' meeting, and at `step`.
     let [from, middle, to] = [(1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t), t * t];
     let ((sine, cosine), (half_sine, half_cosine)) = (step.sine_cosine(), (0.5 * step).sine_cosine());
     let angle = (middle * half_sine + to * sine).arc_tangent2(from + middle * half_cosine + to * cosine);
-    keeps_parameters(profile).then(|| DVec2::new(low + arc * step + angle, at.y))
+    low + arc * step + angle
+}
+
+/// Parameters of a surface of revolution, for those of its spline; `None` if the profile's cannot be told.
+pub(super) fn of_revolution(profile: &Curve, ends: [f64; 2], at: DVec2) -> Option<DVec2> {
+    keeps_parameters(profile).then(|| DVec2::new(angle(ends, at.x), at.y))
 }
 
 /// As [`of_revolution`], of a surface of extrusion.

@@ -34,8 +34,9 @@ fn face(surface: Surface, low: DVec2, high: DVec2, hole: Option<(DVec2, f64)>) -
 fn nearest(face: &Face, rays: &[Ray]) -> Vec<Option<(SurfaceHit, DVec3)>> {
     let (cast, pieces) = CastFace::new(face).unwrap();
     let of = |ray: &Ray| {
-        let found =
-            pieces.iter().filter_map(|piece| cast.nearest(piece, ray, [0.0, f64::INFINITY], |_| true));
+        let found = pieces
+            .iter()
+            .filter_map(|piece| cast.nearest(piece, ray, &mut None, [0.0, f64::INFINITY], |_| true));
         let best = found.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
         Some((best, cast.normal(best.at)))
     };
@@ -170,4 +171,34 @@ fn pieces_hold_what_they_are_pieces_of() {
     let (_, pieces) = CastFace::new(&face).unwrap();
     let volume = |[low, high]: [DVec3; 2]| (high - low).element_product();
     assert!(pieces.len() >= 8 && pieces.iter().map(|piece| volume(piece.bounds)).sum::<f64>() < 40.0);
+}
+
+#[test]
+fn what_other_pieces_leave_changes_nothing() {
+    let whole = DVec2::splat(TAU);
+    let kinds = [
+        (Surface::Torus { frame: frame(), major: 1.0, minor: 0.35 }, DVec2::ZERO, whole),
+        (Surface::Cone { frame: frame(), radius: 0.2, half_angle: 0.4 }, DVec2::ZERO, DVec2::new(TAU, 1.0)),
+        (Surface::Cylinder { frame: frame(), radius: 0.8 }, DVec2::ZERO, DVec2::new(TAU, 1.0)),
+    ];
+    for (surface, low, high) in kinds {
+        let (cast, pieces) =
+            CastFace::new(&face(surface, low, high, Some((DVec2::new(3.0, 0.5), 0.4)))).unwrap();
+        assert!(cast.has_line_meetings() && pieces.len() > 4);
+        let mut hits = 0;
+        for ray in rays(2000) {
+            // As a hierarchy does: hits so far are the limit of those to come.
+            let mut limits = [f64::INFINITY; 2];
+            let mut known = None;
+            for piece in &pieces {
+                let alone = cast.nearest(piece, &ray, &mut None, [0.0, limits[0]], |_| true);
+                let after = cast.nearest(piece, &ray, &mut known, [0.0, limits[1]], |_| true);
+                let [alone, after] = [alone, after].map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance));
+                assert!(alone == after || (alone - after).abs() < 1e-14, "{alone} {after}");
+                limits = [limits[0].min(alone), limits[1].min(after)];
+            }
+            hits += usize::from(limits[0].is_finite());
+        }
+        assert!(hits > 200, "{hits}");
+    }
 }

@@ -142,7 +142,7 @@ fn closed_parts_let_no_ray_out() {
         let cast: Vec<_> = faces(part).map(|face| CastFace::new(face).unwrap()).collect();
         let nearest = |ray: &Ray| {
             let hits = cast.iter().flat_map(|(face, pieces)| {
-                let near = |piece| face.nearest(piece, ray, [0.0, f64::INFINITY], |_| true);
+                let near = |piece| face.nearest(piece, ray, &mut None, [0.0, f64::INFINITY], |_| true);
                 pieces.iter().filter_map(near).map(|hit| (hit.distance, face.normal(hit.at)))
             });
             hits.min_by(|a, b| a.0.total_cmp(&b.0))

@@ -4,6 +4,7 @@ use super::bezier_patch::BezierPatch;
 use super::roots::PlaneNet;
 use crate::surface::{Ray, SurfaceHit};
 use glam::{DVec2, DVec3, DVec4};
+use smallvec::SmallVec;
 
 /// How near the ray must pass, in multiples of the patch's size, to touch it where nothing tells it from a touch.
 const TOUCH: f64 = 1e-12;
@@ -23,7 +24,21 @@ impl BezierPatch {
     /// `found` may hold meetings of other patches of the same surface, and of no other: what lies on the patch's border at the
     /// distance of one of those is that one.
     pub fn meet(&self, ray: &Ray, distances: [f64; 2], found: &mut Vec<SurfaceHit>) {
-        let Some(view) = View::new(self, ray) else { return };
+        let mut all: SplineHits = found.as_slice().into();
+        self.meet_within(&self.bounds(), ray, distances, &mut all);
+        found.extend_from_slice(&all[found.len()..]);
+    }
+
+    /// As [`Self::meet`], by the patch's [`Self::bounds`].
+    pub(crate) fn meet_within(
+        &self,
+        bounds: &[DVec3; 2],
+        ray: &Ray,
+        distances: [f64; 2],
+        found: &mut SplineHits,
+    ) {
+        let mut poles = PlanePoles::new();
+        let Some(view) = View::new(self, bounds, ray, &mut poles) else { return };
         let may_meet = view.depths[0] <= distances[1] && view.depths[1] >= distances[0];
         if !may_meet {
             return;
@@ -46,10 +61,16 @@ impl BezierPatch {
     }
 }
 
+/// Meetings of a ray with a spline, on the stack up to four.
+pub(crate) type SplineHits = SmallVec<[SurfaceHit; 4]>;
+
+/// Control points of a plane, on the stack up to degrees 5 and 5.
+type PlanePoles = SmallVec<[DVec2; 36]>;
+
 /// A patch as seen along a ray.
-struct View {
+struct View<'a> {
     /// Coordinates across the ray, times the weight.
-    net: PlaneNet,
+    net: PlaneNet<'a>,
     /// Bounds of the distance, from the control points.
     depths: [f64; 2],
     /// Distance at the foot of the patch's middle, from which depths are measured.
@@ -62,23 +83,27 @@ struct View {
     size: f64,
 }
 
-impl View {
+impl<'a> View<'a> {
     /// `None` if numbers are not finite, the direction is 0, or the patch is smaller than rounding errors at this distance.
-    fn new(patch: &BezierPatch, ray: &Ray) -> Option<Self> {
+    /// `net` is filled with the control points.
+    fn new(
+        patch: &BezierPatch,
+        [least, greatest]: &[DVec3; 2],
+        ray: &Ray,
+        net: &'a mut PlanePoles,
+    ) -> Option<Self> {
         let unit = ray.direction.try_normalize()?;
         let along = unit / ray.direction.length();
-        let [least, greatest] = patch.bounds();
-        let foot = (0.5 * (least + greatest) - ray.origin).dot(along);
+        let foot = (0.5 * (*least + *greatest) - ray.origin).dot(along);
         // From a near origin, the coordinates across the ray lose no digits to its length.
         let origin = ray.origin + foot * ray.direction;
-        if !(origin.is_finite() && along.is_finite() && (greatest - least).is_finite()) {
+        if !(origin.is_finite() && along.is_finite() && (*greatest - *least).is_finite()) {
             return None;
         }
         let (across, beside) = unit.any_orthonormal_pair();
         let mut depths = [f64::INFINITY, f64::NEG_INFINITY];
         let mut weights = [f64::INFINITY, 0.0_f64];
         let mut magnitude = 0.0_f64;
-        let mut net = Vec::with_capacity(patch.net.len());
         for pole in &patch.net {
             let from = pole.truncate() - pole.w * origin;
             let depth = foot + from.dot(along) / pole.w;
@@ -90,7 +115,7 @@ impl View {
         magnitude += weights[1] * origin.abs().max_element();
         // The origin, the products and the patch's own control points are rounded.
         let noise = 8.0 * f64::EPSILON * (magnitude + weights[1] * (ray.origin - origin).abs().max_element());
-        let size = (greatest - least).length();
+        let size = (*greatest - *least).length();
         if noise >= weights[0] * size {
             return None;
         }

@@ -3,6 +3,7 @@
 use super::bezier_patch::cut_net;
 use crate::basis::bernstein;
 use glam::DVec2;
+use smallvec::{SmallVec, smallvec};
 
 /// Most pieces that are looked at side by side; beyond it, the roots are no points but curves (see [`PlaneNet::roots`]).
 pub const MAX_PIECES: usize = 256;
@@ -10,20 +11,23 @@ pub const MAX_PIECES: usize = 256;
 /// How far outside a piece a root may lie that counts as its own, in multiples of the domain.
 const MARGIN: f64 = 1e-11;
 
+/// Roots, on the stack up to four.
+pub type PlaneRoots = SmallVec<[DVec2; 4]>;
+
 /// A polynomial map F of the unit square into the plane, by its Bézier control points, v fastest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneNet {
+pub struct PlaneNet<'a> {
     /// Degrees in u and v.
     pub degrees: [usize; 2],
     /// Control points.
-    pub net: Vec<DVec2>,
+    pub net: &'a [DVec2],
     /// Rounding error of the control points: what is nearer to 0 may be 0.
     pub noise: f64,
     /// Where |F| is no more than this, F counts as 0; at least twice `noise`.
     pub tolerance: f64,
 }
 
-impl PlaneNet {
+impl PlaneNet<'_> {
     /// [F, Fᵤ, Fᵥ].
     pub fn derivatives(&self, at: DVec2) -> [DVec2; 3] {
         let [values_u, slopes_u] = bernstein(self.degrees[0], at.x);
@@ -52,19 +56,21 @@ impl PlaneNet {
     ///
     /// Where the roots are a curve, more than [`MAX_PIECES`] pieces remain at some depth. Then each gives what the
     /// Gauss-Newton method finds from its middle: some points of the curve, and of roots elsewhere.
-    pub fn roots(&self) -> Vec<DVec2> {
-        let mut found = Vec::new();
-        if is_apart(&self.net, self.noise) {
+    pub fn roots(&self) -> PlaneRoots {
+        let mut found = PlaneRoots::new();
+        if is_apart(self.net, self.noise) {
             return found;
         }
         let length = self.net.len();
-        let mut live = vec![[DVec2::ZERO, DVec2::ONE]];
-        let mut nets = self.net.clone();
-        let mut next = Vec::new();
-        let mut next_nets = Vec::new();
+        let mut live: SmallVec<[[DVec2; 2]; 8]> = smallvec![[DVec2::ZERO, DVec2::ONE]];
+        // Control points of the pieces; of the whole they are the map's own.
+        let mut nets: SmallVec<[DVec2; 128]> = SmallVec::new();
+        let (mut next, mut next_nets) = (SmallVec::new(), SmallVec::new());
         while !live.is_empty() {
-            for (range, net) in live.iter().zip(nets.chunks_exact(length)) {
-                if is_apart(net, self.noise) {
+            for (index, range) in live.iter().enumerate() {
+                let net =
+                    if nets.is_empty() { self.net } else { &nets[index * length..(index + 1) * length] };
+                if !nets.is_empty() && is_apart(net, self.noise) {
                     continue;
                 }
                 if live.len() > MAX_PIECES || net.iter().all(|pole| pole.length() <= self.tolerance) {
@@ -150,7 +156,7 @@ impl PlaneNet {
     }
 
     /// Adds a root unless it is one of those found.
-    fn add(&self, root: DVec2, found: &mut Vec<DVec2>) {
+    fn add(&self, root: DVec2, found: &mut PlaneRoots) {
         let is_old = found.iter().any(|&old| {
             [0.25, 0.5, 0.75]
                 .into_iter()
@@ -203,7 +209,8 @@ impl Slopes {
         let mean_v = net.chunks_exact(columns).map(|row| row[q] - row[0]).sum::<DVec2>() / (p + 1) as f64;
         let determinant = mean_u.perp_dot(mean_v);
         // Derivatives multiplied by the inverse of their mean: the least of the diagonal, the greatest off it.
-        let inverse = |slope: DVec2| DVec2::new(slope.perp_dot(mean_v), mean_u.perp_dot(slope)) / determinant;
+        let scale = 1.0 / determinant;
+        let inverse = |slope: DVec2| DVec2::new(slope.perp_dot(mean_v), mean_u.perp_dot(slope)) * scale;
         let [mut least, mut greatest, mut change] = [DVec2::INFINITY, DVec2::ZERO, DVec2::ZERO];
         for i in 0..=p {
             for j in 0..=q {
@@ -240,7 +247,7 @@ mod tests {
     use crate::random::SplitMix;
 
     /// The net whose map is this one, of degree 2 in each direction and 3 in v alone at most: by interpolation.
-    fn conic(f: impl Fn(DVec2) -> DVec2) -> PlaneNet {
+    fn conic(f: impl Fn(DVec2) -> DVec2) -> PlaneNet<'static> {
         let mut net = vec![DVec2::ZERO; 9];
         // Quadratic Bézier control points of a function are f(0), 2 f(1/2) - (f(0) + f(1)) / 2 and f(1).
         let line = |g: &dyn Fn(f64) -> DVec2| [g(0.0), 2.0 * g(0.5) - 0.5 * (g(0.0) + g(1.0)), g(1.0)];
@@ -249,7 +256,7 @@ mod tests {
                 net[i * 3 + j] = pole;
             }
         }
-        PlaneNet { degrees: [2, 2], net, noise: 1e-15, tolerance: 1e-12 }
+        PlaneNet { degrees: [2, 2], net: net.leak(), noise: 1e-15, tolerance: 1e-12 }
     }
 
     #[test]
@@ -305,7 +312,7 @@ mod tests {
     #[test]
     fn roots_at_borders_double_roots_and_collapsed_edges() {
         let corner = conic(|at| at);
-        assert_eq!(corner.roots(), [DVec2::ZERO]);
+        assert_eq!(corner.roots()[..], [DVec2::ZERO]);
         let middle = DVec2::new(0.3, 0.6);
         let double = conic(|at| DVec2::new(at.x - 0.3, (at.y - 0.6).powi(2))).roots();
         assert_eq!(double.len(), 1);

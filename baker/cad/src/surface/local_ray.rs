@@ -4,6 +4,9 @@ use super::Ray;
 use crate::frame::Frame;
 use glam::DVec3;
 
+/// Lengths of a direction whose squares neither overflow nor vanish.
+const LENGTHS: std::ops::Range<f64> = 1e-100..1e100;
+
 /// A ray in the coordinates of a frame, its origin moved to where it is nearest to a centre. From there all that concerns the
 /// surface is of the surface's size, and a far origin takes no digits from the roots (Haines, Günther and Akenine-Möller,
 /// "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019).
@@ -20,12 +23,20 @@ pub(crate) struct LocalRay {
 }
 
 impl LocalRay {
+    /// A line without a direction, which meets nothing.
+    pub const NONE: Self = Self { origin: DVec3::ZERO, direction: DVec3::ZERO, moved: 0.0, length: 1.0 };
+
     /// `centre` is in local coordinates. `None` if the direction has no length, or anything is not finite.
     pub fn new(ray: &Ray, frame: &Frame, centre: DVec3) -> Option<Self> {
-        // A square of the direction's length may overflow or vanish, the direction need not.
-        let size = ray.direction.abs().max_element();
-        let scaled = frame.local_direction(ray.direction / size);
-        let direction = scaled.try_normalize()?;
+        let mut direction = frame.local_direction(ray.direction);
+        let mut length = direction.length();
+        if LENGTHS.contains(&length) {
+            direction /= length;
+        } else {
+            let size = ray.direction.abs().max_element();
+            let scaled = frame.local_direction(ray.direction / size);
+            (direction, length) = (scaled.try_normalize()?, size * scaled.length());
+        }
         let mut origin = frame.local(ray.origin) - centre;
         let mut moved = 0.0;
         // The second time takes off what rounding left the first time.
@@ -34,12 +45,12 @@ impl LocalRay {
             origin += step * direction;
             moved += step;
         }
-        origin.is_finite().then(|| Self {
-            origin: origin + centre,
-            direction,
-            moved,
-            length: size * scaled.length(),
-        })
+        origin.is_finite().then(|| Self { origin: origin + centre, direction, moved, length })
+    }
+
+    /// The multiple of the ray's own direction as a length from the origin.
+    pub fn length_at(&self, distance: f64) -> f64 {
+        distance * self.length - self.moved
     }
 
     /// The place a length `s` from the origin.

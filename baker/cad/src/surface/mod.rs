@@ -5,9 +5,10 @@ mod area;
 mod cone;
 mod cylinder;
 mod extrusion;
+mod line_meetings;
 mod local_ray;
 pub mod nurbs;
-mod plane;
+pub(crate) mod plane;
 mod polynomial;
 mod revolution;
 mod sphere;
@@ -20,9 +21,9 @@ mod torus;
 
 use crate::curve::Curve;
 use crate::frame::Frame;
-use angle::{angle_within, near_angle};
+use angle::near_angle;
 use glam::{DVec2, DVec3};
-use local_ray::LocalRay;
+pub use line_meetings::LineMeetings;
 pub use nurbs::NurbsSurface;
 use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
@@ -121,6 +122,18 @@ impl Surface {
         self.derivatives(at)[0]
     }
 
+    /// σ and the unit normal, as [`Self::point`] and [`Self::normal`] have them.
+    pub fn point_and_normal(&self, at: DVec2) -> [DVec3; 2] {
+        match self {
+            Self::Revolution { .. } | Self::Extrusion { .. } | Self::Nurbs(_) => {
+                let [point, along_u, along_v] = self.derivatives(at);
+                let normal = Self::unit_normal([along_u, along_v], at).unwrap_or_else(|| self.normal(at));
+                [point, normal]
+            }
+            _ => [self.point(at), self.normal(at)],
+        }
+    }
+
     /// σ, σᵤ, σᵥ.
     pub fn derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let (frame, [point, along_u, along_v]) = match self {
@@ -162,16 +175,21 @@ impl Surface {
     fn normal_towards(&self, at: DVec2, middle: DVec2) -> DVec3 {
         let inward = DVec2::new((middle.x - at.x).signum(), (middle.y - at.y).signum());
         let scale = at.abs().max(DVec2::ONE);
-        for step in [0.0, 1e-6, 1e-3] {
+        let mut found = [0.0, 1e-6, 1e-3].into_iter().filter_map(|step| {
             let [_, along_u, along_v] = self.derivatives(at + step * scale * inward);
-            let [a, b] = [along_u.length() * scale.x, along_v.length() * scale.y];
-            let cross = along_u.cross(along_v) * (scale.x * scale.y);
-            // Below that it is what rounding leaves of vanishing or parallel derivatives.
-            if a.min(b) > 1e-12 * a.max(b) && cross.length() > 1e-10 * a * b {
-                return cross.normalize_or(DVec3::Z);
-            }
-        }
-        DVec3::Z
+            Self::unit_normal([along_u, along_v], at)
+        });
+        found.next().unwrap_or(DVec3::Z)
+    }
+
+    /// σᵤ × σᵥ at parameters made a unit vector; `None` if it is 0.
+    fn unit_normal([along_u, along_v]: [DVec3; 2], at: DVec2) -> Option<DVec3> {
+        let scale = at.abs().max(DVec2::ONE);
+        let [a, b] = [along_u.length() * scale.x, along_v.length() * scale.y];
+        let cross = along_u.cross(along_v) * (scale.x * scale.y);
+        // Below that it is what rounding leaves of vanishing or parallel derivatives.
+        let is_any = a.min(b) > 1e-12 * a.max(b) && cross.length() > 1e-10 * a * b;
+        is_any.then(|| cross.normalize_or(DVec3::Z))
     }
 
     /// Parameters of the nearest point of the surface. Of an angle's turns it is that nearest to `near`; where the angle is undetermined,
@@ -226,38 +244,14 @@ impl Surface {
     /// as it should. A line within a plane, or a generator of a cylinder or cone, does not meet it.
     pub fn meet(&self, ray: &Ray, patch: &[DVec2; 2], distances: [f64; 2], found: &mut SurfaceHits) -> bool {
         found.clear();
-        let [low, high] = *patch;
-        let middle = 0.5 * (low.y + high.y);
-        let middle = DVec3::new(0.0, 0.0, if middle.is_finite() { middle } else { 0.0 });
-        let (frame, centre) = match self {
-            Self::Plane(frame) => (frame, DVec3::ZERO),
-            Self::Cylinder { frame, .. } | Self::Cone { frame, .. } => (frame, middle),
-            Self::Sphere { frame, .. } | Self::Torus { frame, .. } => (frame, DVec3::ZERO),
-            Self::Revolution { .. } | Self::Extrusion { .. } | Self::Nurbs(_) => return false,
-        };
-        let Some(ray) = LocalRay::new(ray, frame, centre) else { return true };
-        let roots = match self {
-            Self::Cylinder { radius, .. } => cylinder::roots(*radius, &ray),
-            Self::Cone { radius, half_angle, .. } => cone::roots(*radius, half_angle.tangent(), &ray),
-            Self::Sphere { radius, .. } => sphere::roots(*radius, &ray),
-            Self::Torus { major, minor, .. } => torus::roots(*major, *minor, &ray),
-            _ => plane::roots(&ray),
-        };
-        let periods = self.periods();
-        for &root in roots.iter() {
-            let distance = ray.distance(root);
-            if !(distances[0] <= distance && distance <= distances[1]) {
-                continue;
-            }
-            let at = self.invert_local(ray.at(root), None);
-            let within = |value: f64, ends: [f64; 2], period: Option<f64>| match period {
-                Some(_) => angle_within(value, ends),
-                None => (ends[0] <= value && value <= ends[1]).then_some(value),
-            };
-            if let Some(u) = within(at.x, [low.x, high.x], periods[0])
-                && let Some(v) = within(at.y, [low.y, high.y], periods[1])
+        let Some(mut meetings) = self.line_meetings(ray, patch, distances) else { return false };
+        for index in 0..meetings.count() {
+            let distance = meetings.distance(index);
+            if distances[0] <= distance
+                && distance <= distances[1]
+                && let Some(hit) = meetings.in_patch(index, self, patch)
             {
-                found.push(SurfaceHit { distance, at: DVec2::new(u, v) });
+                found.push(hit);
             }
         }
         true

@@ -2,6 +2,8 @@
 
 use super::local_ray::LocalRay;
 use super::polynomial::Roots;
+use super::{Ray, SurfaceHit};
+use crate::frame::Frame;
 use glam::{DVec2, DVec3};
 
 /// Point, σᵤ, σᵥ.
@@ -19,6 +21,16 @@ pub(super) fn roots(ray: &LocalRay) -> Roots {
     let mut roots = Roots::default();
     roots.push(-ray.origin.z / ray.direction.z);
     roots
+}
+
+/// As [`roots`], with parameters, and at less cost: a plane has no curvature that would need digits near a centre.
+pub(crate) fn meet(frame: &Frame, ray: &Ray) -> Option<SurfaceHit> {
+    let offset = frame.origin - ray.origin;
+    let distance = offset.dot(frame.z) / ray.direction.dot(frame.z);
+    let place = distance * ray.direction - offset;
+    distance
+        .is_finite()
+        .then(|| SurfaceHit { distance, at: DVec2::new(place.dot(frame.x), place.dot(frame.y)) })
 }
 
 /// How far a patch reaches along a direction.

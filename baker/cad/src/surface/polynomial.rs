@@ -29,6 +29,9 @@ impl Deref for Roots {
     }
 }
 
+/// Where the search for a root begins at an end of the interval at least, in multiples of it.
+const FARTHEST_START: f64 = 0.1;
+
 /// Roots of a s² + 2 b s + c. The caller computes the discriminant b² − a c, which it knows how to do without cancellation. Nor do
 /// the roots cancel: the greater one in magnitude is q / a, the other c / q (Press et al., "Numerical Recipes", section 5.6). A
 /// root that a vanishing a sends to infinity is left out; a double root comes twice.
@@ -69,11 +72,15 @@ pub(crate) fn root_between(
     [mut low, mut high]: [f64; 2],
     tolerance: f64,
 ) -> Option<f64> {
-    let is_low_negative = function(low).0 < 0.0;
-    if is_low_negative == (function(high).0 < 0.0) {
+    let ends = [function(low).0, function(high).0];
+    let is_low_negative = ends[0] < 0.0;
+    if is_low_negative == (ends[1] < 0.0) {
         return None;
     }
-    let mut s = 0.5 * (low + high);
+    // Where the chord is 0, but not near an end: there the function may be flat.
+    let chord = ends[0] / (ends[0] - ends[1]);
+    let share = if chord.is_nan() { 0.5 } else { chord.clamp(FARTHEST_START, 1.0 - FARTHEST_START) };
+    let mut s = low + share * (high - low);
     let mut step = high - low;
     // Every second step at least halves, or the interval does: 1e-16 of it is reached.
     for _ in 0..120 {

@@ -12,6 +12,12 @@ use std::f64::consts::TAU;
 /// By how much the box about the torus is wider than it, a fraction of R + r: its ends are outside whatever rounding does.
 const MARGIN: f64 = 1e-9;
 
+/// How far outside of the distances asked for a root is still found, a fraction of R + r.
+const BEYOND: f64 = 1e-6;
+
+/// Error of roots, a fraction of R + r: Newton's iteration does not come nearer in rounded numbers.
+const TOLERANCE: f64 = 1e-15;
+
 /// Point, σᵤ, σᵥ.
 pub(super) fn derivatives(major: f64, minor: f64, at: DVec2) -> [DVec3; 3] {
     let (sin_u, cos_u) = at.x.sine_cosine();
@@ -52,12 +58,19 @@ pub(super) fn invert(major: f64, minor: f64, place: DVec3, near: Option<DVec2>) 
 /// most one. There the distance is looked at for a change of sign, and its root sought: near a double root and for a thin torus
 /// (r ≪ R) it keeps the digits that the quartic's coefficients lose. A pair of roots is lost only where the line is within
 /// about 1e-15 (R + r) of touching, besides the rounding of the ray's own coordinates.
-pub(super) fn roots(major: f64, minor: f64, ray: &LocalRay) -> Roots {
+///
+/// Roots farther than [`BEYOND`] outside of these distances may be left out.
+pub(super) fn roots(major: f64, minor: f64, ray: &LocalRay, distances: [f64; 2]) -> Roots {
     let mut roots = Roots::default();
     let size = major + minor;
     let [major, minor] = [major / size, minor / size];
     let [o, d] = [ray.origin / size, ray.direction];
-    let Some(span) = box_span(minor, o, d) else { return roots };
+    let Some(mut span) = box_span(minor, o, d) else { return roots };
+    let [first, last] = distances.map(|distance| ray.length_at(distance) / size);
+    span = [span[0].max(first - BEYOND), span[1].min(last + BEYOND)];
+    if span[0] >= span[1] {
+        return roots;
+    }
     // A quarter of the quartic's slope, s³ + p s + q: o is nearest to the centre, o · d = 0.
     let p =
         o.length_squared() + major * major - minor * minor - 2.0 * major * major * (d.x * d.x + d.y * d.y);
@@ -73,7 +86,7 @@ pub(super) fn roots(major: f64, minor: f64, ray: &LocalRay) -> Roots {
     let turns = depressed_cubic(p, q, span, 1e-13);
     let mut from = span[0];
     for to in turns.iter().copied().chain([span[1]]) {
-        if let Some(root) = root_between(distance, [from, to], 2e-16) {
+        if let Some(root) = root_between(distance, [from, to], TOLERANCE) {
             roots.push(size * root);
         }
         from = to;

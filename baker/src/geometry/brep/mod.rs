@@ -10,12 +10,14 @@ use super::{Hit, Ray};
 use crate::scene::brep::{Brep, BrepFace, BrepInstance};
 use crate::scene::model::bounds_of_placed;
 use glam::{DAffine3, DVec2, DVec3, Vec3};
-use rebounce_cad::surface::{Ray as CadRay, SurfaceHit};
+use rebounce_cad::surface::{LineMeetings, Ray as CadRay, SurfaceHit};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Greatest number of pieces in a leaf: meeting a piece costs many times as much as a box.
 const LARGEST_LEAF: u32 = 1;
+/// Number of faces whose meetings with a ray are kept.
+const KNOWN_FACES: usize = 4;
 
 /// Exact faces, ready for rays.
 pub struct BrepSurfaces {
@@ -99,7 +101,9 @@ impl BrepSurfaces {
 
     /// Returns the nearest hit; `seen`: backs of one-sided faces are culled.
     pub fn nearest(&self, materials: &[Surface], ray: &Ray, is_seen: bool) -> Option<Hit> {
-        let visit = NearestFace { query: Query::new(self, ray, is_seen.then_some(materials)), best: None };
+        let mut known = KnownMeetings::default();
+        let query = Query::new(self, ray, is_seen.then_some(materials), &mut known);
+        let visit = NearestFace { query, best: None };
         let best = self.bvh.walk(ray.origin, ray.direction, ray.max_distance, visit)?;
         Some(self.shade(materials, ray, best))
     }
@@ -107,7 +111,8 @@ impl BrepSurfaces {
     /// Returns whether a face is met before `limit`.
     pub fn is_hidden(&self, origin: Vec3, direction: Vec3, limit: f32) -> bool {
         let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
-        let visit = AnyFace { query: Query::new(self, &ray, None), is_found: false };
+        let mut known = KnownMeetings::default();
+        let visit = AnyFace { query: Query::new(self, &ray, None, &mut known), is_found: false };
         self.bvh.walk(origin, direction, limit, visit)
     }
 
@@ -120,7 +125,8 @@ impl BrepSurfaces {
         limit: f32,
     ) -> Option<BrepLocation> {
         let ray = Ray { origin, direction, max_distance: limit, spread: Ray::VISIBILITY };
-        let visit = NearestFace { query: Query::new(self, &ray, Some(materials)), best: None };
+        let mut known = KnownMeetings::default();
+        let visit = NearestFace { query: Query::new(self, &ray, Some(materials), &mut known), best: None };
         let BrepHit { at, instance, face, .. } = self.bvh.walk(origin, direction, limit, visit)?;
         let matrix = self.instances[instance as usize].local_from_part.matrix3;
         let front = matrix * self.brep.faces[face as usize].cast.normal(at);
@@ -131,8 +137,9 @@ impl BrepSurfaces {
         let BrepHit { distance, at, instance, face } = best;
         let instance = &self.instances[instance as usize];
         let BrepFace { cast, material, .. } = &self.brep.faces[face as usize];
-        let position = instance.local_from_part.transform_point3(cast.surface().point(at)).as_vec3();
-        let front = (instance.local_from_part.matrix3 * cast.normal(at)).normalize_or_zero().as_vec3();
+        let [point, normal] = cast.point_and_normal(at);
+        let position = instance.local_from_part.transform_point3(point).as_vec3();
+        let front = (instance.local_from_part.matrix3 * normal).normalize_or_zero().as_vec3();
         let surface = &materials[*material as usize];
         let is_front = front.dot(ray.direction) < 0.0;
         let towards = if is_front { front } else { -front };
@@ -170,12 +177,47 @@ struct Query<'a> {
     culled_by: Option<&'a [Surface]>,
     instance: u32,
     ray: CadRay,
+    known: &'a mut KnownMeetings,
+}
+
+/// Where the ray meets the surfaces of the faces that it came to last. A ray comes to several pieces of most faces that it
+/// comes to.
+#[derive(Default)]
+struct KnownMeetings {
+    /// Instance and face.
+    faces: [(u32, u32); KNOWN_FACES],
+    meetings: [Option<LineMeetings>; KNOWN_FACES],
+    /// The next one to be forgotten.
+    oldest: usize,
+}
+
+impl KnownMeetings {
+    /// What is known of the face of a piece: nothing at first.
+    #[inline]
+    fn of(&mut self, placed: &PlacedPiece) -> &mut Option<LineMeetings> {
+        let face = (placed.instance, placed.face);
+        let known = (0..KNOWN_FACES).find(|i| self.faces[*i] == face && self.meetings[*i].is_some());
+        let place = known.unwrap_or_else(|| {
+            let oldest = self.oldest;
+            self.oldest = (oldest + 1) % KNOWN_FACES;
+            self.faces[oldest] = face;
+            self.meetings[oldest] = None;
+            oldest
+        });
+        &mut self.meetings[place]
+    }
 }
 
 impl<'a> Query<'a> {
-    fn new(surfaces: &'a BrepSurfaces, ray: &Ray, culled_by: Option<&'a [Surface]>) -> Self {
+    fn new(
+        surfaces: &'a BrepSurfaces,
+        ray: &Ray,
+        culled_by: Option<&'a [Surface]>,
+        known: &'a mut KnownMeetings,
+    ) -> Self {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        Self { surfaces, origin, direction, culled_by, instance: u32::MAX, ray: CadRay { origin, direction } }
+        let ray = CadRay { origin, direction };
+        Self { surfaces, origin, direction, culled_by, instance: u32::MAX, ray, known }
     }
 
     /// Returns the nearest hit with a piece, in leaf order, within `limit`.
@@ -194,8 +236,12 @@ impl<'a> Query<'a> {
         let BrepFace { cast, pieces, material, .. } = &self.surfaces.brep.faces[placed.face as usize];
         let culled = self.culled_by.is_some_and(|materials| !materials[*material as usize].double_sided);
         let is_seen = |hit: &SurfaceHit| !culled || cast.normal(hit.at).dot(self.ray.direction) < 0.0;
-        let hit =
-            cast.nearest(&pieces[placed.piece as usize], &self.ray, [0.0, f64::from(limit)], is_seen)?;
+        let piece = &pieces[placed.piece as usize];
+        let distances = [0.0, f64::from(limit)];
+        let is_kept = pieces.len() > 1 && cast.has_line_meetings();
+        let mut alone = None;
+        let known = if is_kept { self.known.of(&placed) } else { &mut alone };
+        let hit = cast.nearest(piece, &self.ray, known, distances, is_seen)?;
         Some((hit, placed))
     }
 }

@@ -109,7 +109,7 @@ fn brute_force(brep: &Brep, ray: &Ray) -> Option<(f64, DVec3)> {
         for face in &brep.faces[placed.faces.start as usize..placed.faces.end as usize] {
             for piece in &face.pieces {
                 let limit = best.map_or(f64::INFINITY, |best| best.0);
-                if let Some(hit) = face.cast.nearest(piece, &local, [0.0, limit], |_| true) {
+                if let Some(hit) = face.cast.nearest(piece, &local, &mut None, [0.0, limit], |_| true) {
                     let normal = placed.local_from_part.matrix3 * face.cast.normal(hit.at);
                     best = Some((hit.distance, normal.normalize()));
                 }

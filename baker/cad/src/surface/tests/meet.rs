@@ -1,6 +1,8 @@
 //! Rays against surfaces.
 
 use super::*;
+use crate::surface::angle::angle_within;
+use crate::surface::local_ray::LocalRay;
 use rebounce_shared::elementary::Elementary;
 
 /// A function of places that changes sign at the surface, about a length.
