@@ -16,7 +16,7 @@ const SURFACES: [TextureFormat; 2] = [TextureFormat::Rg32Uint, TextureFormat::Rg
 
 /// The textures of one size.
 pub struct GBuffer {
-    /// Albedo; alpha marks reflecting surfaces.
+    /// Albedo.
     pub albedo: wgpu::TextureView,
     /// Normals and material.
     pub surface: wgpu::TextureView,

@@ -53,7 +53,7 @@ fn besides(place: vec2u) -> vec3f {
         if (shading.flags & BACKDROP) != 0u {
             sum = backdrop(pixel);
         }
-    } else if albedo.a > 0.5 {
+    } else {
         sum = albedo.rgb * looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)].unlit;
     }
     if (shading.flags & TINTED) != 0u {

@@ -106,9 +106,6 @@ fn layer(in: Out) -> Layer {
         out.alpha = 1.0 - dot(out.through, vec3f(1.0 / 3.0));
         albedo *= passed.reflected;
     }
-    if !facing.reflects {
-        return out;
-    }
     if surface.look.unlit > 0.0 {
         if (shading.flags & UNLIT) != 0u {
             out.shine = alpha * albedo;

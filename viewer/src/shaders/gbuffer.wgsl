@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<uniform> frame: Frame;
 
 struct Targets {
-    // Albedo; alpha 1 where the surface reflects, 0 where a one-sided surface's shading normal points away from the eye.
+    // Albedo; alpha 1.
     @location(0) albedo: vec4f,
     // Shading normal, flipped to the viewer on two-sided surfaces (snorm16x2); flat normal
     // (snorm8x2, low half) and material (high half); what the textures of detail say, kept in the wide format only.
@@ -25,5 +25,5 @@ fn fragment(in: Out) -> Targets {
     }
     let facet = pack4x8snorm(vec4f(octahedral_encode(facing.facet), 0.0, 0.0));
     let surface = vec4u(pack_normal(facing.normal), facet | (material.index << 16u), seen);
-    return Targets(vec4f(color, select(0.0, 1.0, facing.reflects)), surface);
+    return Targets(vec4f(color, 1.0), surface);
 }

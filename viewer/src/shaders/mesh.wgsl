@@ -32,10 +32,8 @@ fn mesh_color(uv: vec2f) -> vec4f {
 struct Facing {
     // Of the triangle.
     facet: vec3f,
-    // For shading.
+    // For shading. At the silhouette of a one-sided surface, whose backs are culled, it may point away from the eye.
     normal: vec3f,
-    // False where the shading normal of a one-sided surface points away from the eye; its backs are culled.
-    reflects: bool,
 }
 
 // Called for all pixels alike: derivatives are taken.
@@ -46,8 +44,7 @@ fn mesh_facing(in: Out) -> Facing {
         facet = normalize(in.normal);
     }
     facet = select(facet, -facet, dot(facet, to_eye) < 0.0);
-    var normal = normalize(in.normal);
-    let back = dot(normal, to_eye) < 0.0;
-    normal = select(normal, -normal, back);
-    return Facing(facet, normal, !back || material.double_sided != 0u);
+    let normal = normalize(in.normal);
+    let back = material.double_sided != 0u && dot(normal, to_eye) < 0.0;
+    return Facing(facet, select(normal, -normal, back));
 }

@@ -47,9 +47,6 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
         return sky(pixel);
     }
     let albedo = textureLoad(albedo_texture, pixel, 0);
-    if albedo.a < 0.5 {
-        return vec4f(0.0, 0.0, 0.0, 1.0);
-    }
     let texel = textureLoad(surface_texture, pixel, 0);
     let material = looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)];
     if material.unlit > 0.0 {

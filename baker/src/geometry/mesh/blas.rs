@@ -2,7 +2,7 @@
 //! leaves, with shading attributes. Answers nearest-hit, visibility and transmittance queries for a single ray;
 //! bundles of rays use [packet traversal](super::packet_traversal).
 
-use super::geometry::{Surface, Triangle};
+use super::geometry::{Surface, Triangle, WITH_LIGHTMAPS};
 use super::triangle::{Corners, ShearedRay, TriangleHit};
 use crate::geometry::bvh8::{Bvh8, LARGEST_LEAF, PaddedBox, Visit, build};
 use crate::random::{mix, unit};
@@ -109,6 +109,7 @@ impl Blas {
                 _ => ordered().map(|(i, _)| colors[i as usize]).collect(),
             },
             lightmap: match lightmap {
+                _ if !WITH_LIGHTMAPS => Vec::new(),
                 [] => Vec::new(),
                 _ => ordered().map(|(i, _)| lightmap[i as usize]).collect(),
             },
@@ -155,10 +156,10 @@ impl Blas {
     }
 
     /// Returns the place in the lightmap at barycentric weights of a triangle's corners, texels, before the offset of the copy;
-    /// `None` without a chart. Only what is built with exact faces makes lightmaps, and shows them.
+    /// `None` without a chart.
     #[inline]
     pub fn lightmap(&self, triangle: usize, [u, v, w]: [f32; 3]) -> Option<Vec2> {
-        if !cfg!(feature = "exact-faces") {
+        if !WITH_LIGHTMAPS {
             return None;
         }
         let at = self.lightmap.get(triangle)?;

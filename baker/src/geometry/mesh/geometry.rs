@@ -18,6 +18,9 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Whether lightmaps are shown: by what can make them.
+pub const WITH_LIGHTMAPS: bool = cfg!(feature = "exact-faces");
+
 /// A triangle with the data for shading.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
@@ -353,7 +356,7 @@ impl Geometry {
                     material: draw.material,
                 }
             }));
-            if cfg!(feature = "exact-faces") && !scene.lightmap.is_empty() {
+            if WITH_LIGHTMAPS && !scene.lightmap.is_empty() {
                 let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
                 let place = |i: u32| match scene.lightmap.coordinates[i as usize] {
                     TexelCoordinates::NONE => Vec2::NAN,

@@ -201,7 +201,9 @@ impl TriangleSurfaces {
         &self.surfaces[number as usize]
     }
 
-    fn shade(&self, found: LocatedTriangle, m: TriangleHit, ray: &Ray) -> Hit {
+    /// The hit of a ray; `is_seen`: of an eye's ray, which meets fronts alone, also at a silhouette, where the shading normal
+    /// may point away.
+    fn shade(&self, found: LocatedTriangle, m: TriangleHit, ray: &Ray, is_seen: bool) -> Hit {
         let direction = ray.direction;
         let LocatedTriangle { blas, triangle, .. } = found;
         let (look, corners) = (&blas.attributes[triangle], &blas.corners[triangle]);
@@ -222,6 +224,7 @@ impl TriangleSurfaces {
             normal = -normal;
             faces = true;
         }
+        faces |= is_seen;
         let (albedo, emission) = if faces {
             let share = look.share(spanned) * (ray.spread * m.distance).powi(2);
             let color = blas.color(&self.surfaces, triangle, m.shares());
@@ -369,12 +372,12 @@ impl TriangleSurfaces {
 impl Surfaces for TriangleSurfaces {
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
         let (found, meeting) = self.nearest(ray, seed)?;
-        Some(self.shade(found, meeting, ray))
+        Some(self.shade(found, meeting, ray, false))
     }
 
     fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
         let (found, meeting) = self.nearest_seen(ray, seed)?;
-        Some(self.shade(found, meeting, ray))
+        Some(self.shade(found, meeting, ray, true))
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {

@@ -5,7 +5,7 @@
 //! longer than the size of the detail, and longer than the distance of the edge's middle from the origin. The decision
 //! depends on the edge only, so neighbours stay joined.
 
-use super::geometry::{Geometry, Triangle};
+use super::geometry::{Geometry, Triangle, WITH_LIGHTMAPS};
 use glam::{Vec2, Vec3};
 
 /// Maximum number of halvings of an edge: from any scene down to the exactness of numbers.
@@ -15,13 +15,16 @@ const MOST: u32 = 40;
 pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let end = geometry.models.first().map_or(geometry.triangles.len(), |model| model.triangles.start);
     let has_colors = !geometry.colors.is_empty();
-    let has_lightmap = !geometry.lightmap.is_empty();
+    let has_lightmap = WITH_LIGHTMAPS && !geometry.lightmap.is_empty();
     let mut triangles = Vec::with_capacity(geometry.triangles.len());
     let mut colors = Vec::with_capacity(geometry.colors.len());
     let mut lightmap = Vec::with_capacity(geometry.lightmap.len());
     for (i, &triangle) in geometry.triangles[..end].iter().enumerate() {
         let color = geometry.colors.get(i).copied().unwrap_or_default();
-        let texels = geometry.lightmap.get(i).copied().unwrap_or_default();
+        let texels = match has_lightmap {
+            true => geometry.lightmap[i],
+            false => Default::default(),
+        };
         let mut left = vec![(Whole { triangle, color, texels }, 0)];
         while let Some((whole, depth)) = left.pop() {
             match longest(&whole.triangle, size).filter(|_| depth < 3 * MOST) {
@@ -37,7 +40,9 @@ pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let more = triangles.len() - end;
     triangles.extend(&geometry.triangles[end..]);
     colors.extend(geometry.colors.get(end..).unwrap_or_default());
-    lightmap.extend(geometry.lightmap.get(end..).unwrap_or_default());
+    if has_lightmap {
+        lightmap.extend(&geometry.lightmap[end..]);
+    }
     (geometry.triangles, geometry.colors, geometry.lightmap) = (triangles, colors, lightmap);
     for model in &mut geometry.models {
         model.triangles = model.triangles.start + more..model.triangles.end + more;

@@ -10,6 +10,7 @@ pub mod shown;
 pub mod unlit;
 
 use crate::basis::Leveled;
+use crate::geometry::mesh::geometry::WITH_LIGHTMAPS;
 use crate::geometry::with_lights::WithLights;
 use crate::geometry::{Hit, HitEmitter, Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
@@ -133,7 +134,7 @@ impl Relit {
         }
         let basis = Leveled::of_baked(scene);
         let motions = motions.clone();
-        let lightmap = match cfg!(feature = "exact-faces") {
+        let lightmap = match WITH_LIGHTMAPS {
             true => MixedLightmap::new(scene, &lighting.groups),
             false => MixedLightmap::default(),
         };
