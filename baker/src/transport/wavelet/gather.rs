@@ -74,7 +74,9 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     ) -> DVec3 {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
-        let tolerance = QUADRATURE_SHARE * tolerance.at(unoccluded.abs().max_element());
+        // No more than its radiosity, also where a point that stands for many is near.
+        let brightness = unoccluded.abs().max_element().min(root.radiosity());
+        let tolerance = QUADRATURE_SHARE * tolerance.at(brightness);
         self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
 

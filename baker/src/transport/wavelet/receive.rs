@@ -43,6 +43,13 @@ impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
         (!is_dark).then(|| ReceivedTree::Cell(Box::new(self.basis.project(&samples))))
     }
 
+    /// What falls on the patch, if it is the same everywhere.
+    pub(super) fn receive_in_the_middle(&self) -> Option<ReceivedTree> {
+        let mut coefficients = Coefficients::default();
+        coefficients[0] = (self.light)(&self.patch.middle);
+        (coefficients[0] != DVec3::ZERO).then(|| ReceivedTree::Cell(Box::new(coefficients)))
+    }
+
     fn coverage(&self, of_parent: Coverage, cell: Cell) -> Coverage {
         if of_parent == Coverage::Boundary { self.patch.mesh.coverage(cell.corners()) } else { of_parent }
     }
