@@ -260,6 +260,13 @@ impl EmitterCell {
         self.points.iter().filter(|point| point.area > 0.0)
     }
 
+    /// Whether a point is so near that quadrature points may all face away from it, or lie below its horizon,
+    /// where others do not. Planes have Lambert's formula there.
+    pub(super) fn may_hide_between_points(&self, position: DVec3) -> bool {
+        let (centre, radius) = self.ball;
+        self.corners.is_none() && position.distance_squared(centre) < radius * radius
+    }
+
     /// The greatest radiosity of its quadrature points.
     pub(super) fn radiosity(&self) -> f64 {
         self.points().map(|point| point.radiosity.abs().max_element()).fold(0.0, f64::max)

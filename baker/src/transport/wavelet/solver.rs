@@ -17,6 +17,8 @@ use std::ops::ControlFlow;
 
 /// Points along a side of a patch at which the mean direct light is estimated.
 const DIRECT_POINTS: usize = 4;
+/// Level down to which spots of lamps are looked for. Lamps are points: their light ends sharply.
+const SEARCHED: u32 = 3;
 
 /// Bounced irradiance of patches under the direct light of lamps and their own.
 ///
@@ -219,7 +221,8 @@ impl<'a> Shooting<'a> {
         let tolerance = self.tolerance(power.element_sum());
         let received = self.patches.par_iter().map(|patch| {
             let (basis, settings) = (self.basis, &self.settings);
-            let receiver = PatchReceiver { patch, basis, settings, light: direct, tolerance };
+            let receiver =
+                PatchReceiver { patch, basis, settings, light: direct, tolerance, searched: SEARCHED };
             if self.is_small(patch) { receiver.receive_in_the_middle() } else { receiver.receive() }
         });
         let received = received.collect();
@@ -265,7 +268,7 @@ impl<'a> Shooting<'a> {
                 visibility.irradiance(&emitter, &point, &tolerance)
             };
             let (basis, settings) = (self.basis, &self.settings);
-            let receiver = PatchReceiver { patch, basis, settings, light, tolerance };
+            let receiver = PatchReceiver { patch, basis, settings, light, tolerance, searched: 0 };
             let [most, variation] = emitter.reach(patch);
             if self.is_small(patch) || variation <= 0.5 * tolerance.least {
                 receiver.receive_in_the_middle()
