@@ -19,6 +19,8 @@ const MOST_VERTICES: usize = 1 << 18;
 const FRACTIONS: [f64; 3] = [0.5, 0.27, 0.73];
 /// Parts of an edge that is a point in space.
 const POLE_PARTS: u32 = 32;
+/// Edges shorter than this part of the chord error are a point in space; others may just be short.
+const POINT: f64 = 0.01;
 /// Coordinates of the triangulation are multiples of this part of the domain's size: edges along an axis are so exactly, and no
 /// coordinate but 0 is smaller than the triangulation takes.
 const GRID: f64 = 1.0 / (1_u64 << 44) as f64;
@@ -120,7 +122,7 @@ fn simplify(fractions: &mut Vec<f64>, edge: &TrimEdge, surface: &impl Fn(DVec2) 
     // An arc in the plane keeps its middle points: a chord alone would leave the domain without area.
     if is_plain && matches!(edge, TrimEdge::Segment { .. }) {
         let [from, middle, to] = [0.0, 0.5, 1.0].map(|fraction| surface(edge.at(fraction)));
-        *fractions = if from.distance(to).max(from.distance(middle)) <= chord_error {
+        *fractions = if from.distance(to).max(from.distance(middle)) <= POINT * chord_error {
             // A pole: a point in space, and triangles all around it.
             (0..=POLE_PARTS).map(|i| f64::from(i) / f64::from(POLE_PARTS)).collect()
         } else {

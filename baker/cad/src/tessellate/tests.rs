@@ -197,3 +197,15 @@ fn odd_outlines_are_split_or_refused() {
     let square = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].to_vec();
     assert!(matches!(face(&[square], &hole, 1e-3), Err(TessellateError::NotFinite { .. })));
 }
+
+#[test]
+fn short_edges_are_no_poles() {
+    // A side in parts that are shorter than the chord error.
+    let parts = 200;
+    let mut edges = rectangle(DVec2::ZERO, DVec2::new(2.0, 1.0));
+    edges.remove(0);
+    let at = |i: u32| DVec2::new(2.0 * f64::from(i) / f64::from(parts), 0.0);
+    edges.splice(0..0, (0..parts).map(|i| TrimEdge::Segment { from: at(i), to: at(i + 1) }));
+    let triangles = tessellated(&[edges], &cylinder, 0.05).triangles.len();
+    assert!(triangles < 2 * parts as usize, "{triangles}");
+}

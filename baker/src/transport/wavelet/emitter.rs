@@ -1,11 +1,14 @@
-//! A patch that shoots: its radiosity in cells with quadrature points, divided as deep as receivers need.
+//! Patches that shoot: their radiosity in cells with quadrature points, divided as deep as receivers need.
 
 use super::basis::{Basis, Coefficients};
 use super::cell::Cell;
+use super::clusters::place_of;
 use super::form_factor::form_factor;
+use super::light_tree;
 use super::patch::{PatchPoint, PlacedPatch};
 use super::tree::UnshotTree;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use rebounce_cad::trim::Coverage;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -13,10 +16,14 @@ use std::sync::OnceLock;
 /// Quadrature points of a cell. Four points on the axes of a square, exact for cubic polynomials (Stroud
 /// 1971, C₂: 3-1), of equal weights: none of them is a Gauss point of a receiver, where a patch shoots to
 /// itself.
-const POINTS: usize = 4;
+pub(super) const POINTS: usize = 4;
 
 /// Cells of planes nearer than this many of their radii are not met by quadrature.
 const NEAR: f64 = 2.0;
+
+/// How much irradiance varies at most: the cosines and the square of the distance together, over a part of
+/// the distance.
+const VARIATION: f64 = 4.0;
 
 /// Radiosity of a shot.
 pub(super) enum Radiosity {
@@ -31,18 +38,27 @@ pub(super) enum Radiosity {
     },
 }
 
-/// The patch that shoots.
-pub(super) struct Emitter<'a> {
+/// A patch that shoots.
+pub(super) struct ShootingPatch<'a> {
     pub patch: &'a PlacedPatch<'a>,
-    basis: &'a Basis,
-    radiosity: Radiosity,
-    deepest: u32,
-    root: EmitterCell,
+    pub radiosity: Radiosity,
 }
 
-/// A cell of an emitter. Its quarters are made when the first receiver needs them; they do not depend on
-/// which that is.
+/// The patches that shoot together.
+pub(super) struct Emitter<'a> {
+    members: Vec<ShootingPatch<'a>>,
+    basis: &'a Basis,
+    deepest: u32,
+    root: EmitterCell,
+    /// Ball around all points.
+    pub ball: (DVec3, f64),
+}
+
+/// A cell of an emitter, or several patches of it. Quarters of a cell are made when the first receiver needs
+/// them; they do not depend on which that is.
 pub(super) struct EmitterCell {
+    /// Index of the patch; `None` for several.
+    member: Option<usize>,
     cell: Cell,
     is_plain: bool,
     /// QuadtreeNode of the unshot radiosity.
@@ -55,7 +71,7 @@ pub(super) struct EmitterCell {
     /// Area that a quadrature point stands for, real and virtual.
     quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
-    ball: (DVec3, f64),
+    pub ball: (DVec3, f64),
     children: OnceLock<Vec<EmitterCell>>,
 }
 
@@ -87,41 +103,63 @@ impl QuadraturePoint {
 }
 
 impl<'a> Emitter<'a> {
-    pub(super) fn new(
-        patch: &'a PlacedPatch<'a>,
-        basis: &'a Basis,
-        radiosity: Radiosity,
-        deepest: u32,
-    ) -> Self {
-        let coverage = patch.mesh.coverage(Cell::ROOT.corners());
-        let of_root = match &radiosity {
-            Radiosity::Constant(value) => constant(*value),
-            Radiosity::Reflected { albedo, unshot } => scaled(unshot.coefficients(0), *albedo),
+    /// `seed` chooses what stands for several patches.
+    pub(super) fn new(members: Vec<ShootingPatch<'a>>, basis: &'a Basis, deepest: u32, seed: u64) -> Self {
+        let cell = |(index, member): (usize, &ShootingPatch)| {
+            let coverage = member.patch.mesh.coverage(Cell::ROOT.corners());
+            let of_root = match &member.radiosity {
+                Radiosity::Constant(value) => constant(*value),
+                Radiosity::Reflected { albedo, unshot } => scaled(unshot.coefficients(0), *albedo),
+            };
+            EmitterCell::new(member.patch, basis, (index, Cell::ROOT), coverage, Some(0), of_root)
         };
-        let root = EmitterCell::new(patch, basis, Cell::ROOT, coverage, Some(0), of_root);
-        Self { patch, basis, radiosity, deepest, root }
+        let cells: Vec<EmitterCell> = members.par_iter().enumerate().map(cell).collect();
+        let ball = light_tree::ball(members.iter().map(|member| member.patch.ball));
+        let place = |index: usize| place_of(members[index].patch, ball.1);
+        let root = light_tree::joined(cells, &place, seed);
+        Self { members, basis, deepest, root, ball }
     }
 
     pub(super) fn root(&self) -> &EmitterCell {
         &self.root
     }
 
-    /// Whether a cell is not divided.
-    pub(super) fn is_last(&self, cell: &EmitterCell) -> bool {
-        cell.cell.level >= self.deepest
+    /// Whether all points of a ball are behind it: nothing of it gets there.
+    pub(super) fn is_behind(&self, ball: (DVec3, f64)) -> bool {
+        matches!(self.members.as_slice(), [one] if one.patch.is_behind(ball))
     }
 
-    /// The quarters of a cell that are not empty.
+    /// The most irradiance that a patch can get of it; and the most that it can vary over a plane, if all or
+    /// nothing of it is visible: by 4 / d of itself over a length, where d is the distance.
+    pub(super) fn reach(&self, patch: &PlacedPatch) -> [f64; 2] {
+        let (centre, radius) = patch.ball;
+        let between = centre - self.ball.0;
+        let nearest = (between.length() - radius).max(0.0);
+        let most = self.root.bound(self.ball.0 + nearest * between.normalize_or_zero());
+        let distance = (nearest - self.ball.1).max(0.0);
+        let share = if patch.mesh.is_planar() { (VARIATION * radius / distance).min(1.0) } else { 1.0 };
+        // Nothing is far enough from itself.
+        [most, if share < 1.0 { share * most } else { f64::INFINITY }]
+    }
+
+    /// Whether a cell is not divided.
+    pub(super) fn is_last(&self, cell: &EmitterCell) -> bool {
+        cell.member.is_some() && cell.cell.level >= self.deepest
+    }
+
+    /// The quarters of a cell that are not empty, or parts of several patches.
     pub(super) fn children<'c>(&self, parent: &'c EmitterCell) -> &'c [EmitterCell] {
         parent.children.get_or_init(|| {
+            let Some(index) = parent.member else { return Vec::new() };
+            let ShootingPatch { patch, radiosity } = &self.members[index];
             let quarter = |quadrant: usize| {
                 let cell = parent.cell.child(quadrant);
                 let coverage =
-                    if parent.is_plain { Coverage::Plain } else { self.patch.mesh.coverage(cell.corners()) };
+                    if parent.is_plain { Coverage::Plain } else { patch.mesh.coverage(cell.corners()) };
                 if coverage == Coverage::Empty {
                     return None;
                 }
-                let (node, coefficients) = match (&self.radiosity, parent.node) {
+                let (node, coefficients) = match (radiosity, parent.node) {
                     (Radiosity::Reflected { albedo, unshot }, Some(node)) => match unshot.children(node) {
                         Some(first) => {
                             let node = first + quadrant;
@@ -131,7 +169,7 @@ impl<'a> Emitter<'a> {
                     },
                     _ => (None, self.basis.push(&parent.coefficients, quadrant)),
                 };
-                Some(EmitterCell::new(self.patch, self.basis, cell, coverage, node, coefficients))
+                Some(EmitterCell::new(patch, self.basis, (index, cell), coverage, node, coefficients))
             };
             (0..4).filter_map(quarter).collect()
         })
@@ -142,7 +180,7 @@ impl EmitterCell {
     fn new(
         patch: &PlacedPatch,
         basis: &Basis,
-        cell: Cell,
+        (member, cell): (usize, Cell),
         coverage: Coverage,
         node: Option<usize>,
         coefficients: Coefficients,
@@ -172,12 +210,66 @@ impl EmitterCell {
         let around = || [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
         let corners = patch.mesh.is_planar().then(around);
         let children = OnceLock::new();
-        Self { cell, is_plain, node, coefficients, points, corners, quarter_area: area, ball, children }
+        let member = Some(member);
+        Self {
+            member,
+            cell,
+            is_plain,
+            node,
+            coefficients,
+            points,
+            corners,
+            quarter_area: area,
+            ball,
+            children,
+        }
+    }
+
+    /// Several, with points that stand for each.
+    pub(super) fn several(
+        points: [QuadraturePoint; POINTS],
+        ball: (DVec3, f64),
+        children: Vec<EmitterCell>,
+    ) -> Self {
+        Self {
+            member: None,
+            cell: Cell::ROOT,
+            is_plain: false,
+            node: None,
+            coefficients: Coefficients::default(),
+            points,
+            corners: None,
+            quarter_area: 0.0,
+            ball,
+            children: OnceLock::from(children),
+        }
+    }
+
+    /// Index of the patch; `None` for several.
+    pub(super) fn member(&self) -> Option<usize> {
+        self.member
+    }
+
+    /// A quadrature point, perhaps without area.
+    pub(super) fn any_point(&self) -> QuadraturePoint {
+        self.points[0]
     }
 
     /// Quadrature points with an area.
     pub(super) fn points(&self) -> impl Iterator<Item = &QuadraturePoint> {
         self.points.iter().filter(|point| point.area > 0.0)
+    }
+
+    /// Whether a point is so near that quadrature points may all face away from it, or lie below its horizon,
+    /// where others do not. Planes have Lambert's formula there.
+    pub(super) fn may_hide_between_points(&self, position: DVec3) -> bool {
+        let (centre, radius) = self.ball;
+        self.corners.is_none() && position.distance_squared(centre) < radius * radius
+    }
+
+    /// The greatest radiosity of its quadrature points.
+    pub(super) fn radiosity(&self) -> f64 {
+        self.points().map(|point| point.radiosity.abs().max_element()).fold(0.0, f64::max)
     }
 
     /// The most irradiance it can give to any point at this distance from its centre: of what is nearest,

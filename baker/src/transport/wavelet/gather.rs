@@ -64,8 +64,8 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     /// Irradiance of a point from an emitter, with an error of about the tolerance.
     ///
     /// A cell whose quadrature differs from that of its quarters by more than the tolerance is divided; else
-    /// the latter is taken, whose error is a fraction of the difference. So is one that gives much light, or
-    /// is visible in part.
+    /// the latter is taken, whose error is a fraction of the difference. So is one that gives much light, is
+    /// visible in part, or is all around.
     pub(super) fn irradiance(
         &self,
         emitter: &Emitter,
@@ -74,7 +74,9 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     ) -> DVec3 {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
-        let tolerance = QUADRATURE_SHARE * tolerance.at(unoccluded.abs().max_element());
+        // No more than its radiosity, also where a point that stands for many is near.
+        let brightness = unoccluded.abs().max_element().min(root.radiosity());
+        let tolerance = QUADRATURE_SHARE * tolerance.at(brightness);
         self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
 
@@ -96,7 +98,8 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
         }
         let sum: DVec3 = fine.iter().sum();
         let size = sum.abs().max_element();
-        let is_settled = (sum - unoccluded).abs().max_element() <= tolerance;
+        let is_settled = (sum - unoccluded).abs().max_element() <= tolerance
+            && !cell.may_hide_between_points(receiver.position);
         if is_settled && size <= MOST_AT_ONCE * tolerance {
             let (result, is_partial) = self.with_visibility(cell, receiver, sum, false);
             if !is_partial || size <= MOST_IN_PART * tolerance {

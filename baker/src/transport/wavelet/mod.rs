@@ -10,6 +10,7 @@
 //! | `patch` | faces in the scene, nearest real points |
 //! | `tree` | irradiance in quadtrees: push, pull, residuals |
 //! | `emitter`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
+//! | `clusters`, `light_tree` | many small patches that shoot together |
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
@@ -19,11 +20,13 @@
 
 mod basis;
 mod cell;
+mod clusters;
 pub mod complex_polygons;
 mod emitter;
 mod fixed;
 mod form_factor;
 mod gather;
+mod light_tree;
 pub mod lightmap;
 mod patch;
 mod receive;
@@ -42,4 +45,4 @@ pub use patch::WaveletPatch;
 pub use scene_patches::{PatchCoordinates, ScenePatches};
 pub use settings::{WaveletError, WaveletSettings};
 pub use solution::{Figures, WaveletSolution};
-pub use solver::solve;
+pub use solver::{solve, solve_until};

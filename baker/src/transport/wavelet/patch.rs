@@ -39,6 +39,8 @@ pub(super) struct PlacedPatch<'a> {
     pub real_area: f64,
     /// Centre and radius of a ball around the points of the square.
     pub ball: (DVec3, f64),
+    /// Centroid of the face in the square, if that is real.
+    pub middle: PatchPoint,
     world_from_part: DAffine3,
     /// Turns normals, also to the side of the patch.
     normal_from_part: DMat3,
@@ -57,7 +59,7 @@ pub(super) fn keeps_proportions(world_from_part: &DAffine3, is_planar: bool) -> 
 }
 
 /// A point of a surface with its normal.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PatchPoint {
     /// Local space.
     pub position: DVec3,
@@ -95,10 +97,12 @@ impl<'a> PlacedPatch<'a> {
             area: growth * patch.mesh.area(),
             real_area: growth * patch.mesh.real_area(),
             ball: (DVec3::ZERO, 0.0),
+            middle: PatchPoint::default(),
             world_from_part: patch.world_from_part,
             normal_from_part: side * adjugate,
         };
         it.ball = it.ball_of(Cell::ROOT);
+        it.middle = it.point_with_nearest(it.mesh.real_part(Cell::ROOT.corners()).1, 1.0);
         Ok(it)
     }
 
@@ -123,6 +127,11 @@ impl<'a> PlacedPatch<'a> {
             return real;
         }
         PatchPoint { seen_from: real.position, seen_normal: real.normal, ..point }
+    }
+
+    /// Whether all points of a ball are behind it: only where it is a plane.
+    pub(super) fn is_behind(&self, (centre, radius): (DVec3, f64)) -> bool {
+        self.mesh.is_planar() && (centre - self.middle.position).dot(self.middle.normal) < -radius
     }
 
     /// A ball around 25 points of a cell, and a quarter more.

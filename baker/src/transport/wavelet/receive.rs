@@ -20,6 +20,9 @@ pub(super) struct PatchReceiver<'a, Light> {
     pub light: Light,
     /// Greatest error of irradiance at control points.
     pub tolerance: Tolerance,
+    /// Cells up to this level are divided in search of spots: light that falls on few of the control points
+    /// of a large cell, or on none, would be lost more often than shadow.
+    pub searched: u32,
 }
 
 impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
@@ -41,6 +44,13 @@ impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
         let samples = self.samples(Cell::ROOT, coverage);
         let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
         (!is_dark).then(|| ReceivedTree::Cell(Box::new(self.basis.project(&samples))))
+    }
+
+    /// What falls on the patch, if it is the same everywhere.
+    pub(super) fn receive_in_the_middle(&self) -> Option<ReceivedTree> {
+        let mut coefficients = Coefficients::default();
+        coefficients[0] = (self.light)(&self.patch.middle);
+        (coefficients[0] != DVec3::ZERO).then(|| ReceivedTree::Cell(Box::new(coefficients)))
     }
 
     fn coverage(&self, of_parent: Coverage, cell: Cell) -> Coverage {
@@ -74,24 +84,31 @@ impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
             let coverage = self.coverage(coverage, child);
             (coverage, self.samples(child, coverage))
         });
+        let is_searched = cell.level < self.searched;
         let dark = |samples: &Samples| samples.iter().all(|sample| *sample == DVec3::ZERO);
-        if dark(samples) && quarters.iter().all(|(_, samples)| dark(samples)) {
+        if !is_searched && dark(samples) && quarters.iter().all(|(_, samples)| dark(samples)) {
             return None;
         }
         let brightest = |samples: &Samples| samples.iter().map(|it| it.max_element()).fold(0.0, f64::max);
         let is_dim = quarters.iter().all(|(_, samples)| brightest(samples) <= self.tolerance.least);
         let is_coarse = cell.level < self.settings.min_level && !is_dim;
-        let is_smooth =
-            || (0..4).all(|quadrant| self.is_near(&coefficients, quadrant, &quarters[quadrant].1));
-        if !is_coarse && is_smooth() {
+        let is_near = |quadrant: usize| self.is_near(&coefficients, quadrant, &quarters[quadrant].1);
+        let is_smooth = !is_coarse && (0..4).all(is_near);
+        if is_smooth && !is_searched {
             let finer = [0, 1, 2, 3].map(|quadrant: usize| self.basis.project(&quarters[quadrant].1));
             return Some(ReceivedTree::Cell(Box::new(self.basis.pull(&finer))));
         }
-        let nothing = || ReceivedTree::Cell(Box::default());
         let children = four(is_parallel, |quadrant| {
             let (coverage, samples) = &quarters[quadrant];
-            self.divided(cell.child(quadrant), *coverage, samples).unwrap_or_else(nothing)
+            self.divided(cell.child(quadrant), *coverage, samples)
         });
+        if children.iter().all(Option::is_none) {
+            return None;
+        }
+        let children = children.map(|child| child.unwrap_or_else(|| ReceivedTree::Cell(Box::default())));
+        if is_smooth && let Some(undivided) = undivided(&children) {
+            return Some(ReceivedTree::Cell(Box::new(self.basis.pull(&undivided))));
+        }
         Some(ReceivedTree::Divided(Box::new(children)))
     }
 
@@ -105,6 +122,16 @@ impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
             difference.abs().max_element() <= self.tolerance.at(sample.max_element())
         })
     }
+}
+
+/// Coefficients of four cells, if none is divided.
+fn undivided(cells: &[ReceivedTree; 4]) -> Option<[Coefficients; 4]> {
+    let mut all = [Coefficients::default(); 4];
+    for (coefficients, cell) in all.iter_mut().zip(cells) {
+        let ReceivedTree::Cell(found) = cell else { return None };
+        *coefficients = **found;
+    }
+    Some(all)
 }
 
 /// Something of four quadrants, perhaps in parallel.

@@ -24,14 +24,14 @@ pub struct Figures {
     pub coefficients: usize,
     /// Bytes of the quadtrees.
     pub bytes: usize,
-    /// Patches that have shot.
+    /// Patches that have shot before all did in the end.
     pub shooting_patches: usize,
     /// Shots.
     pub shots: usize,
     /// PatchVisibility rays between patches; those of the lamps do not count.
     pub rays: u64,
-    /// Part of the initial power that has been shot, after each shot: 1 − unshot / initial, the sum of the
-    /// channels.
+    /// Part of the initial power that has been shot, after each shot but those of all patches together in the
+    /// end: 1 − unshot / initial, the sum of the channels.
     pub convergence: Vec<f64>,
 }
 

@@ -1,7 +1,8 @@
 //! Progressive shooting by Southwell relaxation, without links (Alonso et al. 2001, Algorithm 1).
 
 use super::basis::Basis;
-use super::emitter::{Emitter, Radiosity};
+use super::clusters::Clusters;
+use super::emitter::{Emitter, Radiosity, ShootingPatch};
 use super::gather::PatchVisibility;
 use super::patch::{PatchPoint, PlacedPatch, WaveletPatch};
 use super::receive::PatchReceiver;
@@ -12,9 +13,12 @@ use crate::geometry::Surfaces;
 use crate::job::watch::Stopped;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Points along a side of a patch at which the mean direct light is estimated.
 const DIRECT_POINTS: usize = 4;
+/// Level down to which spots of lamps are looked for. Lamps are points: their light ends sharply.
+const SEARCHED: u32 = 3;
 
 /// Bounced irradiance of patches under the direct light of lamps and their own.
 ///
@@ -22,10 +26,11 @@ const DIRECT_POINTS: usize = 4;
 /// part of the power that has been shot, after each shot. The result does not depend on the number of
 /// threads.
 ///
-/// Of all patches the one with the most unshot power shoots to all others, and to itself if it is curved. Its
-/// own light and what it reflects are shots apart. Shots of little power may have greater errors for it: the
-/// tolerance goes with the root of the power, so that the sum of errors, if they are independent, is that of
-/// one shot with all the initial power.
+/// Of all patches, or clusters of many small ones, the one with the most unshot power shoots to all others,
+/// and to itself unless it is a plane. Its own light and what it reflects are shots apart. Shots of little
+/// power may have greater errors for it: the tolerance goes with the root of the power, so that the sum of
+/// errors, if they are independent, is that of one shot with all the initial power. In the end all patches
+/// shoot together what is left.
 ///
 /// # Errors
 /// [`WaveletError`] for patches that make no sense, or if `progress` stops it.
@@ -36,9 +41,27 @@ pub fn solve<S: Surfaces>(
     settings: &WaveletSettings,
     mut progress: impl FnMut(f64) -> Result<(), Stopped>,
 ) -> Result<WaveletSolution, WaveletError> {
+    let go_on = |part: f64| progress(part).map(ControlFlow::Continue);
+    solve_until(patches, surfaces, direct, settings, go_on)
+}
+
+/// As [`solve`], but `progress` may also be content with what has been shot.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_until<S: Surfaces>(
+    patches: &[WaveletPatch],
+    surfaces: &S,
+    direct: impl Fn(Vec3, Vec3) -> Vec3 + Sync,
+    settings: &WaveletSettings,
+    mut progress: impl FnMut(f64) -> Result<ControlFlow<()>, Stopped>,
+) -> Result<WaveletSolution, WaveletError> {
     let basis = Basis::new(settings.order);
-    let patches: Vec<PlacedPatch> =
-        patches.iter().enumerate().map(|(i, patch)| PlacedPatch::new(patch, i)).collect::<Result<_, _>>()?;
+    let patches: Vec<PlacedPatch> = patches
+        .par_iter()
+        .enumerate()
+        .map(|(i, patch)| PlacedPatch::new(patch, i))
+        .collect::<Result<_, _>>()?;
     let visibility = PatchVisibility::new(surfaces);
     let mut scene = Shooting::new(&patches, &basis, settings);
     scene.light_directly(&|point: &PatchPoint| {
@@ -51,14 +74,28 @@ pub fn solve<S: Surfaces>(
     while initial > 0.0
         && remaining > (1.0 - settings.convergence) * initial
         && figures.shots < settings.max_shots
-        && let Some((shooter, arrival)) = scene.next_shooter()
+        && let Some((cluster, arrival)) = scene.next_shooters()
     {
-        scene.shoot(shooter, arrival, initial, &visibility);
-        has_shot[shooter] = true;
+        let shooters = scene.with_power(&scene.clusters.members[cluster], arrival);
+        scene.shoot(&shooters, arrival, initial, figures.shots as u64, &visibility);
+        for shooter in shooters {
+            has_shot[shooter] = true;
+        }
         figures.shots += 1;
         remaining = scene.unshot_power();
         figures.convergence.push(1.0 - remaining / initial);
-        progress(1.0 - remaining / initial)?;
+        if progress(1.0 - remaining / initial)?.is_break() {
+            break;
+        }
+    }
+    // Small bright patches have little of the power, and much of the light on what is beside them.
+    let all: Vec<usize> = (0..patches.len()).collect();
+    for arrival in [Arrival::Emission, Arrival::Bounced] {
+        let shooters = scene.with_power(&all, arrival);
+        if !shooters.is_empty() && figures.shots < settings.max_shots {
+            scene.shoot(&shooters, arrival, initial, figures.shots as u64, &visibility);
+            figures.shots += 1;
+        }
     }
     let mut trees = scene.trees;
     trees.par_iter_mut().for_each(|tree| tree.push_down(&basis));
@@ -78,7 +115,8 @@ pub fn solve<S: Surfaces>(
 struct Shooting<'a> {
     patches: &'a [PlacedPatch<'a>],
     basis: &'a Basis,
-    settings: &'a WaveletSettings,
+    settings: WaveletSettings,
+    clusters: Clusters,
     trees: Vec<Tree>,
     /// Power of the patches' own light that has not been shot.
     emission: Vec<DVec3>,
@@ -91,11 +129,15 @@ struct Shooting<'a> {
 impl<'a> Shooting<'a> {
     fn new(patches: &'a [PlacedPatch<'a>], basis: &'a Basis, settings: &'a WaveletSettings) -> Self {
         let functions = basis.order().functions();
+        let clusters = Clusters::new(patches);
+        let min_cell_area = settings.min_cell_area.max(clusters.least_area);
+        let settings = WaveletSettings { min_cell_area, ..*settings };
         Self {
             patches,
             basis,
             settings,
-            trees: patches.iter().map(|patch| Tree::new(functions, patch.mesh)).collect(),
+            clusters,
+            trees: patches.par_iter().map(|patch| Tree::new(functions, patch.mesh)).collect(),
             emission: patches.iter().map(|patch| patch.real_area * patch.emission).collect(),
             reflection: vec![DVec3::ZERO; patches.len()],
             area: patches.iter().map(|patch| patch.real_area).sum(),
@@ -113,29 +155,48 @@ impl<'a> Shooting<'a> {
         self.emission.iter().chain(&self.reflection).map(|power| power.element_sum().max(0.0)).sum()
     }
 
-    /// The patch and the kind of light with the most unshot power; `None` if there is none.
-    fn next_shooter(&self) -> Option<(usize, Arrival)> {
+    /// Power of a patch that has not been shot.
+    fn power(&mut self, patch: usize, arrival: Arrival) -> &mut DVec3 {
+        if arrival == Arrival::Emission { &mut self.emission[patch] } else { &mut self.reflection[patch] }
+    }
+
+    /// The cluster and the kind of light with the most unshot power; `None` if there is none.
+    fn next_shooters(&self) -> Option<(usize, Arrival)> {
         let mut best = None;
         let mut most = 0.0;
         for (powers, arrival) in [(&self.emission, Arrival::Emission), (&self.reflection, Arrival::Bounced)] {
-            for (patch, power) in powers.iter().enumerate() {
-                if power.element_sum() > most {
-                    most = power.element_sum();
-                    best = Some((patch, arrival));
+            for (cluster, members) in self.clusters.members.iter().enumerate() {
+                let power = members.iter().map(|patch| powers[*patch].element_sum().max(0.0)).sum();
+                if power > most {
+                    most = power;
+                    best = Some((cluster, arrival));
                 }
             }
         }
         best
     }
 
+    /// Those of some patches that have anything to shoot.
+    fn with_power(&self, patches: &[usize], arrival: Arrival) -> Vec<usize> {
+        let powers = if arrival == Arrival::Emission { &self.emission } else { &self.reflection };
+        patches.iter().copied().filter(|patch| powers[*patch].element_sum() > 0.0).collect()
+    }
+
+    /// Whether a patch is no more than a cell among many.
+    fn is_small(&self, patch: &PlacedPatch) -> bool {
+        patch.real_area < self.clusters.least_area
+    }
+
     /// Adds what all patches have received.
     fn merge(&mut self, received: Vec<Option<ReceivedTree>>, arrival: Arrival) {
-        for (index, received) in received.into_iter().enumerate() {
-            if let Some(received) = received {
-                let patch = &self.patches[index];
-                let mean = self.trees[index].merge(&received, arrival, patch.mesh);
-                self.reflection[index] += patch.area * patch.albedo * mean;
-            }
+        let add = |(index, (tree, received)): (usize, (&mut Tree, Option<ReceivedTree>))| {
+            let patch = &self.patches[index];
+            let mean = received.map_or(DVec3::ZERO, |received| tree.merge(&received, arrival, patch.mesh));
+            patch.area * patch.albedo * mean
+        };
+        let powers: Vec<DVec3> = self.trees.par_iter_mut().zip(received).enumerate().map(add).collect();
+        for (sum, power) in self.reflection.iter_mut().zip(powers) {
+            *sum += power;
         }
     }
 
@@ -143,6 +204,9 @@ impl<'a> Shooting<'a> {
     fn light_directly(&mut self, direct: &(impl Fn(&PatchPoint) -> DVec3 + Sync)) {
         let count = DIRECT_POINTS * DIRECT_POINTS;
         let of_patch = |patch: &PlacedPatch| {
+            if self.is_small(patch) {
+                return patch.real_area * direct(&patch.middle);
+            }
             let mut sum = DVec3::ZERO;
             for i in 0..count {
                 let cell = DVec2::new((i % DIRECT_POINTS) as f64, (i / DIRECT_POINTS) as f64);
@@ -156,46 +220,59 @@ impl<'a> Shooting<'a> {
         let power = emitted + powers.iter().sum::<DVec3>();
         let tolerance = self.tolerance(power.element_sum());
         let received = self.patches.par_iter().map(|patch| {
-            let (basis, settings) = (self.basis, self.settings);
-            PatchReceiver { patch, basis, settings, light: direct, tolerance }.receive()
+            let (basis, settings) = (self.basis, &self.settings);
+            let receiver =
+                PatchReceiver { patch, basis, settings, light: direct, tolerance, searched: SEARCHED };
+            if self.is_small(patch) { receiver.receive_in_the_middle() } else { receiver.receive() }
         });
         let received = received.collect();
         self.merge(received, Arrival::Lamps);
     }
 
-    /// One patch shoots.
+    /// Some patches shoot.
     fn shoot<S: Surfaces>(
         &mut self,
-        shooter: usize,
+        shooters: &[usize],
         arrival: Arrival,
         initial: f64,
+        seed: u64,
         visibility: &PatchVisibility<S>,
     ) {
-        let patch = &self.patches[shooter];
-        let (radiosity, power) = if arrival == Arrival::Emission {
-            let power = std::mem::take(&mut self.emission[shooter]);
-            (Radiosity::Constant(patch.emission), power)
-        } else {
-            let unshot = self.trees[shooter].take_unshot(self.basis);
-            let power = std::mem::take(&mut self.reflection[shooter]);
-            (Radiosity::Reflected { albedo: patch.albedo, unshot }, power)
+        let powers = shooters.iter().map(|shooter| std::mem::take(self.power(*shooter, arrival)));
+        let power = powers.sum::<DVec3>().element_sum();
+        let member = |shooter: &usize| {
+            let patch = &self.patches[*shooter];
+            let radiosity = if arrival == Arrival::Emission {
+                Radiosity::Constant(patch.emission)
+            } else {
+                Radiosity::Reflected {
+                    albedo: patch.albedo,
+                    unshot: self.trees[*shooter].take_unshot(self.basis),
+                }
+            };
+            ShootingPatch { patch, radiosity }
         };
-        let tolerance = self.tolerance((power.element_sum() * initial).sqrt());
-        let emitter = Emitter::new(patch, self.basis, radiosity, self.settings.max_emitter_level);
+        let members = shooters.iter().map(member).collect();
+        let emitter = Emitter::new(members, self.basis, self.settings.max_emitter_level, seed);
+        let tolerance = self.tolerance((power * initial).sqrt());
         let to = |(index, patch): (usize, &PlacedPatch)| {
-            if index == shooter && patch.mesh.is_planar() {
+            let is_itself = shooters == [index];
+            if is_itself && patch.mesh.is_planar()
+                || patch.is_behind(emitter.ball)
+                || emitter.is_behind(patch.ball)
+            {
                 return None;
             }
             let light = |point: &PatchPoint| {
                 let point = visibility.moved_before_walls(*point);
                 visibility.irradiance(&emitter, &point, &tolerance)
             };
-            let (basis, settings) = (self.basis, self.settings);
-            let receiver = PatchReceiver { patch, basis, settings, light, tolerance };
-            let (centre, radius) = patch.ball;
-            let nearest = (centre.distance(emitter.patch.ball.0) - radius).max(0.0);
-            let outward = (centre - emitter.patch.ball.0).normalize_or_zero();
-            if emitter.root().bound(emitter.patch.ball.0 + nearest * outward) <= 0.5 * tolerance.least {
+            let (basis, settings) = (self.basis, &self.settings);
+            let receiver = PatchReceiver { patch, basis, settings, light, tolerance, searched: 0 };
+            let [most, variation] = emitter.reach(patch);
+            if self.is_small(patch) || variation <= 0.5 * tolerance.least {
+                receiver.receive_in_the_middle()
+            } else if most <= 0.5 * tolerance.least {
                 receiver.receive_coarsely()
             } else {
                 receiver.receive()

@@ -112,3 +112,53 @@ fn light_of_lamps_is_reflected_but_not_part_of_it() {
     assert_eq!(solution.irradiance_of_emitters(1, DVec2::splat(0.5)), Vec3::ZERO);
     assert_eq!(solution.figures.shooting_patches, 1);
 }
+
+/// The room's walls in tiles, more than shoot alone.
+fn tiles() -> Vec<WaveletPatch> {
+    const SIDE: u32 = 8;
+    let half = HALF.as_dvec3();
+    let of_wall = |normal: DVec3| {
+        let frame = Frame::new(-half * normal, normal, normal.any_orthonormal_vector()).unwrap();
+        let size = DVec2::new(half.dot(frame.x.abs()), half.dot(frame.y.abs()));
+        (0..SIDE * SIDE).map(move |i| {
+            let low = DVec2::new(f64::from(i % SIDE), f64::from(i / SIDE)) / f64::from(SIDE);
+            let corner = |at: DVec2| size * (2.0 * at - 1.0);
+            let tile = rectangle(corner(low), corner(low + 1.0 / f64::from(SIDE)));
+            furnace(patch_of(Surface::Plane(frame), false, vec![tile]))
+        })
+    };
+    [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z]
+        .into_iter()
+        .flat_map(of_wall)
+        .collect()
+}
+
+#[test]
+fn clusters_are_a_furnace_on_any_number_of_threads() {
+    let patches = tiles();
+    let settings = WaveletSettings { convergence: 0.999, ..WaveletSettings::default() };
+    let walls = Blockers { room: Some(HALF), ..NOTHING };
+    let [one, two] = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solve(&patches, &walls, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap())
+    });
+    assert_eq!(one.figures, two.figures);
+    // Far fewer than patches.
+    assert!(one.figures.shots < patches.len(), "{:?}", one.figures);
+    let mut mean = 0.0;
+    for (index, patch) in patches.iter().enumerate() {
+        let at = DVec2::splat(0.4);
+        let all = |solution: &WaveletSolution| {
+            solution.irradiance(index, at) + solution.irradiance_of_emitters(index, at)
+        };
+        assert_eq!(all(&one).to_array().map(f32::to_bits), all(&two).to_array().map(f32::to_bits));
+        mean += (all(&one) * (1.0 - patch.albedo) / patch.emission) / patches.len() as f32;
+    }
+    let worst = worst_error(&one, &patches);
+    println!(
+        "tiles: mean {mean}, worst {worst}, {:?}",
+        Figures { convergence: vec![], ..one.figures.clone() }
+    );
+    assert!((mean - 1.0).abs().max_element() < 0.01, "{mean}");
+    assert!(worst < 0.1, "{worst}");
+}
