@@ -145,7 +145,7 @@ fn clusters_are_a_furnace_on_any_number_of_threads() {
     assert_eq!(one.figures, two.figures);
     // Far fewer than patches.
     assert!(one.figures.shots < patches.len(), "{:?}", one.figures);
-    let mut mean = 0.0;
+    let mut mean = Vec3::ZERO;
     for (index, patch) in patches.iter().enumerate() {
         let at = DVec2::splat(0.4);
         let all = |solution: &WaveletSolution| {
