@@ -68,7 +68,7 @@ fn a_box_is_a_furnace() {
             "{order:?} box: worst {worst}, {:?}",
             Figures { convergence: vec![], ..solution.figures.clone() }
         );
-        assert!(worst < 0.01, "{order:?}: {worst}");
+        assert!(worst < 0.007, "{order:?}: {worst}");
         assert!(convergence.windows(2).all(|pair| pair[0] < pair[1]), "{convergence:?}");
         assert!(convergence.last().is_some_and(|last| *last >= 0.9995));
     }
@@ -143,9 +143,9 @@ fn clusters_are_a_furnace_on_any_number_of_threads() {
         pool.install(|| solve(&patches, &walls, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap())
     });
     assert_eq!(one.figures, two.figures);
-    // Far fewer than patches.
-    assert!(one.figures.shots < patches.len(), "{:?}", one.figures);
-    let mut mean = 0.0;
+    // Alone each patch would shoot some ten times.
+    assert!(one.figures.shots < 3 * patches.len(), "{:?}", one.figures);
+    let mut mean = Vec3::ZERO;
     for (index, patch) in patches.iter().enumerate() {
         let at = DVec2::splat(0.4);
         let all = |solution: &WaveletSolution| {
