@@ -143,8 +143,8 @@ fn clusters_are_a_furnace_on_any_number_of_threads() {
         pool.install(|| solve(&patches, &walls, |_, _| Vec3::ZERO, &settings, |_| Ok(())).unwrap())
     });
     assert_eq!(one.figures, two.figures);
-    // Far fewer than patches.
-    assert!(one.figures.shots < patches.len(), "{:?}", one.figures);
+    // Alone each patch would shoot some ten times.
+    assert!(one.figures.shots < 3 * patches.len(), "{:?}", one.figures);
     let mut mean = Vec3::ZERO;
     for (index, patch) in patches.iter().enumerate() {
         let at = DVec2::splat(0.4);
@@ -160,5 +160,5 @@ fn clusters_are_a_furnace_on_any_number_of_threads() {
         Figures { convergence: vec![], ..one.figures.clone() }
     );
     assert!((mean - 1.0).abs().max_element() < 0.01, "{mean}");
-    assert!(worst < 0.1, "{worst}");
+    assert!(worst < 0.03, "{worst}");
 }
