@@ -40,6 +40,7 @@ import { slots } from "./page/slots.mjs";
 import { solved } from "./page/solved.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
+import { step } from "./page/step.mjs";
 import { text } from "./page/text.mjs";
 import { three } from "./page/three.mjs";
 import { touch } from "./page/touch.mjs";
@@ -48,7 +49,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky, nodes,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, step, state, watch, light, environment, sky, nodes,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide, three,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -1,10 +1,12 @@
 //! Figures of exact surfaces as tables of Markdown, for `cargo xtask bench-cad`:
 //!
-//! `cad [--rays N] [--quick] [FILE.step ...]`
+//! `cad [--rays N] [--quick] [FILE.step ...]`, or
+//! `cad --coarse COUNT OUT.rbn FILE.step`, which bakes a file as about COUNT triangles
 //!
 //! Rays against exact faces and against tessellations; wavelet radiosity on exact faces and on triangles, in the columns of
 //! Alonso et al. 2001, with errors against a path tracer.
 
+mod coarse;
 mod rays;
 mod wavelets;
 
@@ -20,13 +22,21 @@ const CHORD: f32 = 1e-4;
 
 fn main() -> Result<()> {
     let (mut files, mut rays, mut is_quick) = (Vec::new(), RAYS, false);
+    let mut coarse = None;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--rays" => rays = arguments.next().context("--rays needs a number")?.parse()?,
             "--quick" => is_quick = true,
+            "--coarse" => {
+                let count = arguments.next().context("--coarse needs a number")?.parse()?;
+                coarse = Some((count, arguments.next().context("which file is written?")?));
+            }
             _ => files.push(argument),
         }
+    }
+    if let Some((count, out)) = coarse {
+        return coarse::write(files.first().context("which file?")?, count, out.as_ref());
     }
     let builtin = SCENES.iter().map(|name| format!("builtin:{name}"));
     let load = |spec: String| {

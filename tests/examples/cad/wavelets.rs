@@ -1,5 +1,6 @@
 //! Wavelet radiosity on exact faces and on triangles, in the columns of Alonso et al. 2001, tables 1 to 3.
 
+use super::coarse;
 use anyhow::{Context, Result, ensure};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -8,7 +9,6 @@ use rebounce::io::picture::{Only, Picture};
 use rebounce::light::direct::at_point;
 use rebounce::light::illumination::Illumination;
 use rebounce::scene::Scene;
-use rebounce::scene::assembly::AssemblySettings;
 use rebounce::transport::wavelet::{Order, ScenePatches, WaveletSettings, WaveletSolution, solve_until};
 use rebounce::verify::compare::compare;
 use rebounce::verify::expose::Exposure;
@@ -23,10 +23,6 @@ const PATHS: u32 = 1024;
 const QUICK_PATHS: u32 = 64;
 /// Triangles of the tessellations.
 const TRIANGLES: [usize; 3] = [1_000, 10_000, 100_000];
-/// Halvings of the search for a chord error.
-const SEARCH: usize = 14;
-/// Least and greatest factors of the chord error among which it searches. Beyond, outlines cross each other.
-const COARSENESS: [f64; 2] = [1e-2, 40.0];
 /// No shot begins later than this, seconds: a row that has come to an end there says so.
 const TIME_LIMIT: f64 = 300.0;
 /// How much farther from the exact surface a patch is looked for if none is near: triangles lie beside it.
@@ -59,7 +55,7 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
         }
         let counts = if is_quick { &TRIANGLES[..1] } else { &TRIANGLES };
         for count in counts {
-            let triangles = tessellated(name, *count)?;
+            let triangles = coarse::tessellated(&format!("builtin:{name}"), *count)?;
             for order in [Order::M1, Order::M2, Order::M3] {
                 truth.row(&format!("{} triangles", triangles.triangles.len()), &triangles, order)?;
             }
@@ -67,35 +63,6 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
         println!();
     }
     Ok(())
-}
-
-/// A scene of about as many triangles, without exact faces.
-fn tessellated(name: &str, count: usize) -> Result<Scene> {
-    let assembly = rebounce_cad::demo::assembly(name).context("no such scene")?;
-    let exact = rebounce::io::load(&format!("builtin:{name}"))?;
-    let [mut fine, mut coarse] = COARSENESS;
-    let mut best: Option<Scene> = None;
-    for _ in 0..SEARCH {
-        let coarseness = (fine * coarse).sqrt();
-        let settings = AssemblySettings { coarseness, ..AssemblySettings::default() };
-        let scene = Scene::of_assembly(name, name.to_owned(), &assembly, &settings)?;
-        let found = scene.triangles.len();
-        if found > count {
-            fine = coarseness
-        } else {
-            coarse = coarseness
-        }
-        let is_nearer =
-            best.as_ref().is_none_or(|best| found.abs_diff(count) < best.triangles.len().abs_diff(count));
-        if is_nearer {
-            best = Some(scene);
-        }
-    }
-    let mut scene = best.context("no tessellation")?;
-    scene.brep = None;
-    scene.cameras = exact.cameras;
-    scene.lights = exact.lights;
-    Ok(scene)
 }
 
 impl Truth {
