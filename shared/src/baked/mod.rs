@@ -341,10 +341,14 @@ impl BakedScene {
     }
 }
 
+/// A section's name and bytes.
+#[cfg(feature = "radiosity")]
+type NamedSection = ([u8; 4], Vec<u8>);
+
 #[cfg(feature = "radiosity")]
 impl BakedScene {
     /// Packs the sections of the lightmap; none without one.
-    fn lightmap_sections(&self) -> Result<Vec<([u8; 4], Vec<u8>)>, RbnError> {
+    fn lightmap_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
         let Lightmap { layout, coordinates, offsets, texels } = &self.lightmap;
         if self.lightmap.is_empty() {
             return Ok(Vec::new());

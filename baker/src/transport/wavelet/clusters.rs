@@ -14,7 +14,7 @@ const DIRECTIONS: f64 = 0.125;
 
 /// Where a patch or a part of one is, and a multiple of its normal: what is near in it can stand for each
 /// other (Walter et al., Lightcuts, 2005).
-pub(super) type Place = [f64; 6];
+pub(super) type PositionAndNormal = [f64; 6];
 
 /// The patches of a scene, put together.
 pub(super) struct Clusters {
@@ -48,7 +48,7 @@ fn clustered(patches: &[PlacedPatch]) -> Clusters {
 }
 
 /// The place of a patch, where directions are multiplied by `scale`.
-pub(super) fn place_of(patch: &PlacedPatch, scale: f64) -> Place {
+pub(super) fn place_of(patch: &PlacedPatch, scale: f64) -> PositionAndNormal {
     let [x, y, z] = patch.middle.position.to_array();
     let [along_x, along_y, along_z] = (scale * patch.middle.normal).to_array();
     [x, y, z, along_x, along_y, along_z]
@@ -63,7 +63,7 @@ fn add_clusters(
     members: &mut [usize],
     area: &impl Fn(usize) -> f64,
     most: f64,
-    place: &impl Fn(&usize) -> Place,
+    place: &impl Fn(&usize) -> PositionAndNormal,
     out: &mut Vec<Vec<usize>>,
 ) {
     if members.len() < 2 || members.iter().map(|&patch| area(patch)).sum::<f64>() <= most {
@@ -76,7 +76,7 @@ fn add_clusters(
 }
 
 /// Two halves, apart along the axis on which the places extend most.
-pub(super) fn halves<T>(items: &mut [T], place: impl Fn(&T) -> Place) -> [&mut [T]; 2] {
+pub(super) fn halves<T>(items: &mut [T], place: impl Fn(&T) -> PositionAndNormal) -> [&mut [T]; 2] {
     let mut low = [f64::INFINITY; 6];
     let mut high = [f64::NEG_INFINITY; 6];
     for item in items.iter() {

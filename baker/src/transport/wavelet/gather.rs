@@ -1,6 +1,7 @@
 //! Irradiance of a point from an emitter: adaptive quadrature over its cells, with visibility.
 
-use super::emitter::{Emitter, EmitterCell};
+use super::emitter::Emitter;
+use super::emitter_cell::EmitterCell;
 use super::patch::PatchPoint;
 use super::settings::Tolerance;
 use crate::geometry::Surfaces;

@@ -3,13 +3,17 @@
 //! Walter, Fernandez, Arbree, Bala, Donikian, Greenberg: Lightcuts: A Scalable Approach to Illumination
 //! (2005).
 
-use super::clusters::{Place, halves};
-use super::emitter::{EmitterCell, POINTS, QuadraturePoint};
+use super::clusters::{PositionAndNormal, halves};
+use super::emitter_cell::{EmitterCell, POINTS, QuadraturePoint};
 use glam::DVec3;
 use rebounce_shared::random::Stream;
 
 /// The tree of cells, one of each patch; `place` is that of a patch.
-pub(super) fn joined(mut cells: Vec<EmitterCell>, place: &impl Fn(usize) -> Place, seed: u64) -> EmitterCell {
+pub(super) fn joined(
+    mut cells: Vec<EmitterCell>,
+    place: &impl Fn(usize) -> PositionAndNormal,
+    seed: u64,
+) -> EmitterCell {
     let mut stream = Stream::new(seed, cells.len() as u64);
     match cells.pop() {
         Some(only) if cells.is_empty() => only,
@@ -23,11 +27,11 @@ pub(super) fn joined(mut cells: Vec<EmitterCell>, place: &impl Fn(usize) -> Plac
 
 fn of_slice(
     cells: &mut [Option<EmitterCell>],
-    place: &impl Fn(usize) -> Place,
+    place: &impl Fn(usize) -> PositionAndNormal,
     stream: &mut Stream,
 ) -> EmitterCell {
     let at = |cell: &Option<EmitterCell>| {
-        cell.as_ref().and_then(EmitterCell::member).map_or(Place::default(), place)
+        cell.as_ref().and_then(EmitterCell::member).map_or(PositionAndNormal::default(), place)
     };
     let mut children = Vec::new();
     if cells.len() <= POINTS {

@@ -9,7 +9,7 @@
 //! | `basis`, `cell` | Legendre polynomials on cells of a quadtree, two-scale coefficients |
 //! | `patch` | faces in the scene, nearest real points |
 //! | `tree` | irradiance in quadtrees: push, pull, residuals |
-//! | `emitter`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
+//! | `emitter`, `emitter_cell`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
 //! | `clusters`, `light_tree` | many small patches that shoot together |
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
@@ -23,6 +23,7 @@ mod cell;
 mod clusters;
 pub mod complex_polygons;
 mod emitter;
+mod emitter_cell;
 mod fixed;
 mod form_factor;
 mod gather;

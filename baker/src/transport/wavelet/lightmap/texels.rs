@@ -19,15 +19,15 @@ struct PlacedChart {
     side: u32,
 }
 
-/// Light of the columns at a texel: that of the wavelets, and that of the points for direct light.
-struct Columns<'a> {
+/// Light of the layers at a texel: that of the wavelets, and that of the points for direct light.
+struct LayerLight<'a> {
     source: LightmapSource<'a>,
     basis: Leveled,
     /// By column of direct light, the points' irradiance.
     direct: Vec<Vec<Vec3>>,
 }
 
-impl<'a> Columns<'a> {
+impl<'a> LayerLight<'a> {
     fn new(file: &BakedScene, source: LightmapSource<'a>) -> Self {
         let all = &file.light_groups;
         let bounced = all.groups.len();
@@ -63,7 +63,7 @@ pub(super) fn layers(
     layouts: &[ModelLayout],
     size: UVec2,
 ) -> (Vec<f32>, Vec<Texel>) {
-    let (columns, area) = (Columns::new(file, source), size.x as usize * size.y as usize);
+    let (columns, area) = (LayerLight::new(file, source), size.x as usize * size.y as usize);
     let placed: Vec<PlacedChart> = layouts.iter().flat_map(|layout| of_model(file, layout)).collect();
     let light: Vec<Vec<Vec<Vec3>>> = placed.par_iter().map(|chart| of_chart(&columns, chart)).collect();
     let count = file.light_groups.columns();
@@ -105,7 +105,7 @@ fn of_model(file: &BakedScene, layout: &ModelLayout) -> Vec<PlacedChart> {
 }
 
 /// Light by column of each texel with the border, row after row. Virtual points have the light of the nearest real ones.
-fn of_chart(columns: &Columns<'_>, chart: &PlacedChart) -> Vec<Vec<Vec3>> {
+fn of_chart(columns: &LayerLight<'_>, chart: &PlacedChart) -> Vec<Vec<Vec3>> {
     let whole = chart.side + 2 * BORDER;
     let mesh = columns.source.patches.mesh(chart.patch);
     let texel = |i: u32| {
