@@ -43,6 +43,15 @@ pub struct ChartTriangle {
     pub corners: [DVec2; 3],
 }
 
+/// Where the first copy of a triangle is.
+struct TriangleOnPatch {
+    patch: usize,
+    /// Corners in the patch's unit square.
+    corners: [DVec2; 3],
+    /// Square scene units.
+    area: f32,
+}
+
 /// A triangle of a file at one copy, local space.
 struct PlacedTriangle {
     positions: [Vec3; 3],
@@ -109,20 +118,20 @@ fn of_model(scene: &BakedScene, patches: &ScenePatches, copies: Range<usize>, ep
             (draw.first_index..end).step_by(3).map(|first| (first, draw.material))
         })
         .collect();
-    let located: Vec<_> = (triangles.par_iter())
+    let located: Vec<Option<TriangleOnPatch>> = (triangles.par_iter())
         .map(|(first, _)| {
             let placed = PlacedTriangle::new(scene, *first as usize, &places[0]);
             let (patch, st) = placed.patch(patches, false, epsilon)?;
             let corners = placed.positions.map(|corner| patches.square_near(patch, corner, st, epsilon));
-            Some((patch, corners, placed.area()))
+            Some(TriangleOnPatch { patch, corners, area: placed.area() })
         })
         .collect();
     // The greatest triangle of a chart finds the patches of the other copies.
     let mut greatest: HashMap<usize, (usize, f32)> = HashMap::new();
-    for (i, (patch, _, area)) in located.iter().enumerate().filter_map(|(i, one)| Some((i, one.as_ref()?))) {
-        let best = greatest.entry(*patch).or_insert((i, *area));
-        if *area > best.1 {
-            *best = (i, *area);
+    for (i, on) in located.iter().enumerate().filter_map(|(i, one)| Some((i, one.as_ref()?))) {
+        let best = greatest.entry(on.patch).or_insert((i, on.area));
+        if on.area > best.1 {
+            *best = (i, on.area);
         }
     }
     let mut found: Vec<(usize, usize)> = greatest.into_iter().map(|(patch, (i, _))| (patch, i)).collect();
@@ -145,8 +154,8 @@ fn of_model(scene: &BakedScene, patches: &ScenePatches, copies: Range<usize>, ep
         number_of.insert(patch, charts.len() as u32);
         charts.push(chart);
     }
-    let in_chart = |((first_index, _), located): (&(u32, u32), &Option<(usize, [DVec2; 3], f32)>)| {
-        let (patch, corners, _) = located.as_ref()?;
+    let in_chart = |((first_index, _), on): (&(u32, u32), &Option<TriangleOnPatch>)| {
+        let TriangleOnPatch { patch, corners, .. } = on.as_ref()?;
         Some(ChartTriangle { first_index: *first_index, chart: *number_of.get(patch)?, corners: *corners })
     };
     ModelCharts { copies, charts, triangles: triangles.iter().zip(&located).filter_map(in_chart).collect() }
