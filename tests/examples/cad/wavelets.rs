@@ -40,7 +40,8 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
     println!(
         "At 99% convergence, or what had been shot after {TIME_LIMIT:.0} s. *Error*: bounced light at the pixels\n\
          of the scene's camera against the path tracer's on exact faces: relative RMS without the path tracer's\n\
-         noise, and bias. What the camera sees is the exact surface in all rows.\n"
+         noise, and bias. What the camera sees is the exact surface in all rows. *Natural parameters*: the square\n\
+         of a face is that of the surface's own parameters, so that the Jacobian is not constant.\n"
     );
     for name in names {
         println!("### {name}\n");
@@ -51,13 +52,17 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
         let exact = rebounce::io::load(&format!("builtin:{name}"))?;
         let truth = Truth::new(&exact, if is_quick { QUICK_PATHS } else { PATHS });
         for order in [Order::M1, Order::M2, Order::M3] {
-            truth.row("exact", &exact, order)?;
+            truth.row("exact", &exact, order, ScenePatches::new)?;
         }
-        let counts = if is_quick { &TRIANGLES[..1] } else { &TRIANGLES };
+        for order in [Order::M1, Order::M2, Order::M3] {
+            truth.row("exact, natural parameters", &exact, order, ScenePatches::natural)?;
+        }
+        let counts = if is_quick { &TRIANGLES[..2] } else { &TRIANGLES };
         for count in counts {
             let triangles = coarse::tessellated(&format!("builtin:{name}"), *count)?;
             for order in [Order::M1, Order::M2, Order::M3] {
-                truth.row(&format!("{} triangles", triangles.triangles.len()), &triangles, order)?;
+                let surfaces = format!("{} triangles", triangles.triangles.len());
+                truth.row(&surfaces, &triangles, order, ScenePatches::new)?;
             }
         }
         println!();
@@ -80,10 +85,16 @@ impl Truth {
     }
 
     /// Solves and prints a row.
-    fn row(&self, surfaces_name: &str, scene: &Scene, order: Order) -> Result<()> {
+    fn row(
+        &self,
+        surfaces_name: &str,
+        scene: &Scene,
+        order: Order,
+        patches: impl Fn(&Scene, f32) -> Option<ScenePatches>,
+    ) -> Result<()> {
         let began = Instant::now();
         let surfaces = SceneSurfaces::simplified(scene);
-        let patches = ScenePatches::new(scene, surfaces.epsilon()).context("no faces")?;
+        let patches = patches(scene, surfaces.epsilon()).context("no faces")?;
         let all = patches.with_emission(&[], &[]);
         let direct = |position: Vec3, normal: Vec3| at_point(&surfaces, &self.lights, position, normal);
         let settings = WaveletSettings { order, ..WaveletSettings::default() };

@@ -91,6 +91,11 @@ impl Antiderivative {
         Self::new(Form::Constant { density }, [f64::NEG_INFINITY, f64::INFINITY])
     }
 
+    /// Whether its density is constant.
+    pub(super) fn is_linear(&self) -> bool {
+        matches!(self.form, Form::Constant { .. })
+    }
+
     /// Whether a range of parameters lies within the limits, but for rounding.
     pub(super) fn holds(&self, [low, high]: [f64; 2]) -> bool {
         let margin = 1e-9 * (high - low);

@@ -22,6 +22,9 @@ pub(super) enum EqualArea {
     Separable([Antiderivative; 2]),
     /// Any other.
     Marginal(Box<Marginal>),
+    /// For comparison, (x, y) = (u, v) of a surface whose area element is not constant: areas are not kept.
+    /// Has the least and greatest parameters that matter.
+    Natural([DVec2; 2]),
 }
 
 impl EqualArea {
@@ -69,10 +72,24 @@ impl EqualArea {
         Self::Separable([turn, Antiderivative::new(Form::Table(table), range)])
     }
 
+    /// The natural parameters of a surface in place of its map; the map itself if that is affine.
+    pub(super) fn natural(surface: &Surface, domain: [DVec2; 2]) -> Self {
+        match Self::new(surface, domain) {
+            Self::Identity => Self::Identity,
+            Self::Separable(both) if both.iter().all(Antiderivative::is_linear) => Self::Separable(both),
+            _ => Self::Natural(domain),
+        }
+    }
+
+    /// Whether areas in the plane are in proportion to those on the surface.
+    pub(super) fn keeps_areas(&self) -> bool {
+        !matches!(self, Self::Natural(_))
+    }
+
     /// From (u, v) to (x, y).
     pub(super) fn flat(&self, at: DVec2) -> DVec2 {
         match self {
-            Self::Identity => at,
+            Self::Identity | Self::Natural(_) => at,
             Self::Separable([u, v]) => DVec2::new(u.value(at.x), v.value(at.y)),
             Self::Marginal(marginal) => marginal.flat(at),
         }
@@ -84,12 +101,13 @@ impl EqualArea {
             Self::Identity => flat,
             Self::Separable([u, v]) => DVec2::new(u.inverse(flat.x), v.inverse(flat.y)),
             Self::Marginal(marginal) => marginal.parameters(flat),
+            Self::Natural([low, high]) => flat.clamp(*low, *high),
         }
     }
 }
 
 /// |σᵤ × σᵥ|.
-fn area_element(surface: &Surface, at: DVec2) -> f64 {
+pub(super) fn area_element(surface: &Surface, at: DVec2) -> f64 {
     let [_, along_u, along_v] = surface.derivatives(at);
     along_u.cross(along_v).length()
 }

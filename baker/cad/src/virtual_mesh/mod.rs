@@ -9,12 +9,14 @@
 //! | `revolved` | which closed form a surface of revolution has |
 //! | `antiderivative` | closed forms of separable area elements, and their inverses |
 //! | `cumulative`, `marginal` | tables where there is no closed form, over one parameter and over two |
+//! | `density` | area elements where the map is by natural parameters, for comparison |
 //! | `boundary` | trimming curves in the square, nearest real points |
 //! | `legendre`, `root` | quadrature and Newton's iteration |
 
 mod antiderivative;
 mod boundary;
 mod cumulative;
+mod density;
 mod equal_area;
 mod legendre;
 mod marginal;
@@ -64,6 +66,8 @@ pub struct VirtualMesh {
     boundary: Vec<BoundarySegment>,
     /// How far they are from the exact ones at most, in the square.
     deviation: f64,
+    /// Mean of the area element |σᵤ × σᵥ| over the square; `None` where areas keep their proportions.
+    mean_element: Option<f64>,
 }
 
 impl VirtualMesh {
@@ -72,12 +76,28 @@ impl VirtualMesh {
     /// # Errors
     /// [`VirtualMeshError`] for loops that bound nothing and for faces without area.
     pub fn new(face: &Face) -> Result<Self, VirtualMeshError> {
+        Self::by_map(face, EqualArea::new)
+    }
+
+    /// A face in the smallest parallelogram of its natural parameters, to see what the equal-area map is good
+    /// for: the Jacobian is not constant, but in proportion to [`Self::density`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn natural(face: &Face) -> Result<Self, VirtualMeshError> {
+        Self::by_map(face, EqualArea::natural)
+    }
+
+    fn by_map(
+        face: &Face,
+        map: impl Fn(&Surface, [DVec2; 2]) -> EqualArea,
+    ) -> Result<Self, VirtualMeshError> {
         let domain = TrapezoidalMap::new(&face.loops)?.bounds();
         let sides = domain[1] - domain[0];
         if !(sides.min_element() > 0.0 && sides.is_finite()) {
             return Err(VirtualMeshError::NoArea);
         }
-        let map = EqualArea::new(&face.surface, domain);
+        let map = map(&face.surface, domain);
         let chain = boundary::flattened(&face.surface, &map, &face.loops);
         let points: Vec<DVec2> = chain.loops.iter().flatten().copied().collect();
         let parallelogram = minimal_enclosing(&points).ok_or(VirtualMeshError::NoArea)?;
@@ -105,7 +125,11 @@ impl VirtualMesh {
         let (surface, is_reversed) = (face.surface.clone(), face.is_reversed);
         // Extents of the image are at most those of the square.
         let deviation = if chain.deviation > 1e-12 { 2.0 * chain.deviation } else { 0.0 };
-        Ok(Self { surface, is_reversed, map, parallelogram, real, boundary, deviation })
+        let mean_element = None;
+        let mut mesh =
+            Self { surface, is_reversed, map, parallelogram, real, boundary, deviation, mean_element };
+        mesh.measure()?;
+        Ok(mesh)
     }
 
     /// Parameters (u, v) of a point of the square. Beyond poles, apices and the ends of tables, those at the
@@ -155,14 +179,14 @@ impl VirtualMesh {
         matches!(self.surface, Surface::Plane(_))
     }
 
-    /// Area of the whole square, real and virtual, on the surface: the Jacobian.
+    /// Area of the whole square, real and virtual, on the surface: the Jacobian, or its mean.
     pub fn area(&self) -> f64 {
-        self.parallelogram.area()
+        self.parallelogram.area() * self.mean_element.unwrap_or(1.0)
     }
 
     /// Area of the face.
     pub fn real_area(&self) -> f64 {
-        self.area() * self.real_share([DVec2::ZERO, DVec2::ONE])
+        self.area() * self.real_density([DVec2::ZERO, DVec2::ONE])
     }
 
     /// Whether all points of a cell, least and greatest corner, are real, none, or perhaps some: never plain
@@ -178,13 +202,19 @@ impl VirtualMesh {
         self.real.contains(st)
     }
 
-    /// The part of a cell's area that is real, 0 to 1.
+    /// The part of a cell's area on the surface that is real, 0 to 1.
     pub fn real_share(&self, cell: [DVec2; 2]) -> f64 {
+        let whole = self.mean_density(cell);
+        if whole > 0.0 { (self.real_density(cell) / whole).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// The part of a cell's area in the square that is real, 0 to 1.
+    fn real_part_of_square(&self, cell: [DVec2; 2]) -> f64 {
         let sides = cell[1] - cell[0];
         (self.real.area_within(cell) / (sides.x * sides.y)).clamp(0.0, 1.0)
     }
 
-    /// The part of a cell's area that is real, 0 to 1, and the centroid of that part in the square; the
+    /// The part of a cell's area in the square that is real, 0 to 1, and the centroid of that part there; the
     /// middle of the cell if it is empty.
     pub fn real_part(&self, cell: [DVec2; 2]) -> (f64, DVec2) {
         let area = self.real.area_within(cell);

@@ -216,6 +216,50 @@ fn whole_patches_have_the_area_of_the_surface() {
 }
 
 #[test]
+fn densities_of_natural_parameters_are_area_elements() {
+    let mut numbers = SplitMix(46);
+    let mut uneven = 0;
+    for (name, surface, patch) in surfaces() {
+        for loops in [rectangle(patch[0], patch[1]), trimmed(patch)] {
+            let face = Face { surface: surface.clone(), is_reversed: false, loops: vec![loops] };
+            let [equal, mesh] = [VirtualMesh::new, VirtualMesh::natural].map(|map| map(&face).unwrap());
+            assert!(equal.is_equal_area() && equal.density(DVec2::splat(0.3)) == 1.0);
+            uneven += i32::from(!mesh.is_equal_area());
+            let [area, expected] = [mesh.real_area(), equal.real_area()];
+            // At the creases of one the area element jumps.
+            let most = if name == "bilinear patch" { 5e-3 } else { 3e-4 };
+            assert!((area / expected - 1.0).abs() < most, "{name}: {area} and {expected}");
+            // Parts add up.
+            let cell = |i: u32| {
+                let low = DVec2::new(f64::from(i % 8), f64::from(i / 8)) / 8.0;
+                [low, low + 0.125]
+            };
+            let [mut all, mut real, mut by_shares] = [0.0; 3];
+            for cell in (0..64).map(cell) {
+                all += mesh.mean_density(cell) / 64.0;
+                real += mesh.real_density(cell) / 64.0;
+                by_shares += mesh.real_share(cell) * mesh.mean_density(cell) / 64.0;
+            }
+            assert!((all - 1.0).abs() < 1e-12, "{name}: {all}");
+            assert!((real * mesh.area() / area - 1.0).abs() < 1e-12, "{name}: {real}");
+            assert!((by_shares - real).abs() < 1e-9, "{name}: {by_shares} and {real}");
+            for _ in 0..100 {
+                let st = numbers.point(DVec2::splat(0.01), DVec2::splat(0.99));
+                if !mesh.is_real(st) {
+                    continue;
+                }
+                let h = 1e-6;
+                let along = |axis: DVec2| (mesh.point(st + h * axis) - mesh.point(st - h * axis)) / (2.0 * h);
+                let element = along(DVec2::X).cross(along(DVec2::Y)).length();
+                let error = (mesh.area() * mesh.density(st) - element).abs() / mesh.area();
+                assert!(error < 1e-4, "{name} at {st}: {error}");
+            }
+        }
+    }
+    assert!(uneven > 30, "{uneven}");
+}
+
+#[test]
 fn trimmed_faces_have_their_area() {
     for (name, surface, patch) in surfaces() {
         let loops = vec![trimmed(patch)];

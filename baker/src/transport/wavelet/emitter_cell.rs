@@ -31,7 +31,7 @@ pub(super) struct EmitterCell {
     points: [QuadraturePoint; POINTS],
     /// Corners, of a cell of a plane: in order around it.
     corners: Option<[DVec3; 4]>,
-    /// Area that a quadrature point stands for, real and virtual.
+    /// Area that a quadrature point stands for in the mean over the square, real and virtual.
     quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
     pub ball: (DVec3, f64),
@@ -91,7 +91,8 @@ impl EmitterCell {
             let is_surely_real = is_plain || share <= 0.0;
             let st = cell.at(local);
             let at = if is_surely_real { patch.point(st) } else { patch.point_with_nearest(st, cell.side()) };
-            QuadraturePoint { at, area: share * area, radiosity: basis.evaluate(&coefficients, local) }
+            let area = share * patch.mesh.density(st) * area;
+            QuadraturePoint { at, area, radiosity: basis.evaluate(&coefficients, local) }
         });
         let centre = points.iter().map(|point| point.at.position).sum::<DVec3>() / POINTS as f64;
         let reach = points.iter().map(|point| point.at.position.distance(centre)).fold(0.0, f64::max);

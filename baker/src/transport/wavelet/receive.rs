@@ -5,7 +5,7 @@ use super::cell::Cell;
 use super::patch::{PatchPoint, PlacedPatch};
 use super::settings::{Tolerance, WaveletSettings};
 use super::tree::ReceivedTree;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rebounce_cad::trim::Coverage;
 
 /// Down to this level quarters are computed in parallel.
@@ -73,7 +73,8 @@ impl<Light: Fn(&PatchPoint) -> DVec3 + Sync> PatchReceiver<'_, Light> {
     /// What falls on a cell with these values at its Gauss points; `None` for nothing.
     fn divided(&self, cell: Cell, coverage: Coverage, samples: &Samples) -> Option<ReceivedTree> {
         let coefficients = self.basis.project(samples);
-        let is_small = self.patch.area * cell.area() < self.settings.min_cell_area;
+        let area = self.patch.area * self.patch.mesh.density(cell.at(DVec2::splat(0.5))) * cell.area();
+        let is_small = area < self.settings.min_cell_area;
         if coverage == Coverage::Empty || cell.level >= self.settings.max_level || is_small {
             let is_dark = samples.iter().all(|sample| *sample == DVec3::ZERO);
             return (!is_dark).then(|| ReceivedTree::Cell(Box::new(coefficients)));

@@ -10,7 +10,7 @@ use crate::scene::brep::{Brep, BrepFace, BrepInstance};
 use glam::{Affine3A, DAffine3, DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use rebounce_cad::face::Face;
-use rebounce_cad::virtual_mesh::VirtualMesh;
+use rebounce_cad::virtual_mesh::{VirtualMesh, VirtualMeshError};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 use std::ops::Range;
 use std::sync::Arc;
@@ -49,9 +49,22 @@ impl ScenePatches {
     /// Makes the patches; `None` if there are no faces, or the crate is built without exact faces. `epsilon` is the
     /// surfaces' offset of ray origins, scene units.
     pub fn new(scene: &Scene, epsilon: f32) -> Option<Self> {
+        Self::by_maps(scene, epsilon, VirtualMesh::new)
+    }
+
+    /// The same by the surfaces' natural parameters, for comparison: see [`VirtualMesh::natural`].
+    pub fn natural(scene: &Scene, epsilon: f32) -> Option<Self> {
+        Self::by_maps(scene, epsilon, VirtualMesh::natural)
+    }
+
+    fn by_maps(
+        scene: &Scene,
+        epsilon: f32,
+        map: impl Fn(&Face) -> Result<VirtualMesh, VirtualMeshError> + Sync,
+    ) -> Option<Self> {
         let brep = Arc::new(all_faces(scene));
         let surfaces = BrepSurfaces::new(&brep, &vec![true; scene.materials.len()], epsilon)?;
-        let mesh = |face: &BrepFace| VirtualMesh::new(&face.face).ok().map(Arc::new);
+        let mesh = |face: &BrepFace| map(&face.face).ok().map(Arc::new);
         let meshes: Vec<Option<Arc<VirtualMesh>>> = brep.faces.par_iter().map(mesh).collect();
         let (mut patches, mut firsts) = (Vec::new(), Vec::new());
         for (number, instance) in (0..).zip(&brep.instances) {

@@ -191,7 +191,8 @@ impl<'a> Shooting<'a> {
     fn merge(&mut self, received: Vec<Option<ReceivedTree>>, arrival: Arrival) {
         let add = |(index, (tree, received)): (usize, (&mut Tree, Option<ReceivedTree>))| {
             let patch = &self.patches[index];
-            let mean = received.map_or(DVec3::ZERO, |received| tree.merge(&received, arrival, patch.mesh));
+            let mean = received
+                .map_or(DVec3::ZERO, |received| tree.merge(&received, arrival, patch.mesh, self.basis));
             patch.area * patch.albedo * mean
         };
         let powers: Vec<DVec3> = self.trees.par_iter_mut().zip(received).enumerate().map(add).collect();
@@ -207,13 +208,15 @@ impl<'a> Shooting<'a> {
             if self.is_small(patch) {
                 return patch.real_area * direct(&patch.middle);
             }
-            let mut sum = DVec3::ZERO;
+            let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
             for i in 0..count {
                 let cell = DVec2::new((i % DIRECT_POINTS) as f64, (i / DIRECT_POINTS) as f64);
                 let st = (cell + 0.5) / DIRECT_POINTS as f64;
-                sum += direct(&patch.point_with_nearest(st, 1.0 / DIRECT_POINTS as f64));
+                let density = patch.mesh.density(st);
+                sum += density * direct(&patch.point_with_nearest(st, 1.0 / DIRECT_POINTS as f64));
+                whole += density;
             }
-            patch.real_area * sum / count as f64
+            patch.real_area * sum / whole
         };
         let powers: Vec<DVec3> = self.patches.par_iter().map(of_patch).collect();
         let emitted: DVec3 = self.emission.iter().sum();

@@ -34,7 +34,7 @@ struct QuadtreeNode {
     /// The first of its four quarters, which lie side by side.
     children: Option<NonZeroU32>,
     coverage: Coverage,
-    /// Part of its area that is real.
+    /// Real area on the surface per area of the square: the part that is real, times its mean density.
     share: f32,
 }
 
@@ -70,8 +70,8 @@ impl Tree {
         let coverage = mesh.coverage(corners);
         let share = match coverage {
             Coverage::Empty => 0.0,
-            Coverage::Plain => 1.0,
-            Coverage::Boundary => mesh.real_share(corners) as f32,
+            Coverage::Plain if mesh.is_equal_area() => 1.0,
+            Coverage::Plain | Coverage::Boundary => mesh.real_density(corners) as f32,
         };
         self.nodes.push(QuadtreeNode { children: None, coverage, share });
         let count = self.nodes.len() * self.functions;
@@ -82,21 +82,27 @@ impl Tree {
         }
     }
 
-    /// Adds what a shot gives; returns the mean over the square of its real part.
-    pub(super) fn merge(&mut self, received: &ReceivedTree, arrival: Arrival, mesh: &VirtualMesh) -> DVec3 {
+    /// Adds what a shot gives; returns the mean over the square of its real part, by area on the surface.
+    pub(super) fn merge(
+        &mut self,
+        received: &ReceivedTree,
+        arrival: Arrival,
+        mesh: &VirtualMesh,
+        basis: &Basis,
+    ) -> DVec3 {
         if arrival == Arrival::Emission {
             self.emitted.resize(self.nodes.len() * self.functions, Vec3::ZERO);
         }
-        self.merge_node(0, Cell::ROOT, received, arrival, mesh)
+        self.merge_node((0, Cell::ROOT), received, arrival, mesh, basis)
     }
 
     fn merge_node(
         &mut self,
-        node: usize,
-        cell: Cell,
+        (node, cell): (usize, Cell),
         received: &ReceivedTree,
         arrival: Arrival,
         mesh: &VirtualMesh,
+        basis: &Basis,
     ) -> DVec3 {
         match received {
             ReceivedTree::Cell(coefficients) => {
@@ -114,14 +120,14 @@ impl Tree {
                         *sum += c.as_vec3();
                     }
                 }
-                cell.area() * f64::from(self.nodes[node].share) * coefficients[0]
+                cell.area() * f64::from(self.nodes[node].share) * mean(coefficients, cell, mesh, basis)
             }
             ReceivedTree::Divided(quarters) => {
                 let first = self.divide(node, cell, mesh);
                 let quarter = |quadrant: usize| (first + quadrant, cell.child(quadrant), &quarters[quadrant]);
                 let mut sum = DVec3::ZERO;
                 for (child, cell, received) in [0, 1, 2, 3].map(quarter) {
-                    sum += self.merge_node(child, cell, received, arrival, mesh);
+                    sum += self.merge_node((child, cell), received, arrival, mesh, basis);
                 }
                 sum
             }
@@ -250,6 +256,20 @@ impl UnshotTree {
     pub(super) fn children(&self, node: usize) -> Option<usize> {
         self.children[node].map(|first| first.get() as usize)
     }
+}
+
+/// Mean over a cell, by area on the surface: quadrature at the Gauss points.
+fn mean(coefficients: &Coefficients, cell: Cell, mesh: &VirtualMesh, basis: &Basis) -> DVec3 {
+    if mesh.is_equal_area() {
+        return coefficients[0];
+    }
+    let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
+    for (at, weight) in (0..basis.order().functions()).map(|index| basis.point(index)) {
+        let area = weight * mesh.density(cell.at(at));
+        sum += area * basis.evaluate(coefficients, at);
+        whole += area;
+    }
+    if whole > 0.0 { sum / whole } else { coefficients[0] }
 }
 
 /// Coefficients with zeros after them.

@@ -95,6 +95,57 @@ fn the_inside_of_a_sphere_is_constant() {
     }
 }
 
+/// A sphere from one latitude to another, facing inward, by its natural parameters.
+fn natural_zone(latitudes: [f64; 2]) -> WaveletPatch {
+    let surface = Surface::Sphere { frame: Frame::default(), radius: 1.5 };
+    let zone = rectangle(DVec2::new(0.0, latitudes[0]), DVec2::new(TAU, latitudes[1]));
+    let mesh = VirtualMesh::natural(&Face { surface, is_reversed: true, loops: vec![zone] }).unwrap();
+    WaveletPatch { mesh: Arc::new(mesh), ..sphere(DVec3::ZERO, 1.5, true) }
+}
+
+/// The mean of a patch by area, and the greatest difference from it, on a grid of the square.
+fn mean_and_worst(patch: &WaveletPatch, irradiance: impl Fn(DVec2) -> Vec3) -> (Vec3, f32) {
+    let points = real_points(patch, 32);
+    let area = |st: DVec2, share: f64| (share * patch.mesh.density(st)) as f32;
+    let whole: f32 = points.iter().map(|&(st, share)| area(st, share)).sum();
+    let mean = points.iter().map(|&(st, share)| area(st, share) * irradiance(st)).sum::<Vec3>() / whole;
+    let error = |&(st, _): &(DVec2, f64)| (irradiance(st) / mean - 1.0).abs().max_element();
+    (mean, points.iter().map(error).fold(0.0, f32::max))
+}
+
+#[test]
+fn the_inside_of_a_sphere_is_constant_by_natural_parameters() {
+    for order in [Order::M1, Order::M2, Order::M3] {
+        let settings =
+            WaveletSettings { order, convergence: 0.9999, epsilon: 0.005, ..WaveletSettings::default() };
+        let patches = [furnace(natural_zone([-FRAC_PI_2, FRAC_PI_2]))];
+        let solution = solved(&patches, &settings);
+        let all = |st| solution.irradiance(0, st) + solution.irradiance_of_emitters(0, st);
+        let (mean, worst) = mean_and_worst(&patches[0], all);
+        println!("{order:?} natural sphere: {mean}, worst {worst}, {:?}", solution.figures);
+        let expected = patches[0].emission / (1.0 - patches[0].albedo);
+        assert!((mean / expected - 1.0).abs().max_element() < 0.01, "{order:?}: {mean} and {expected}");
+        assert!(worst < 0.005, "{order:?}: {worst}");
+        // A cap lights all of the sphere by its share of the area.
+        let patches = [shining(natural_zone([0.6, FRAC_PI_2])), natural_zone([-FRAC_PI_2, 0.6])];
+        let solution = solved(&patches, &settings);
+        let (mean, worst) = mean_and_worst(&patches[1], |st| solution.irradiance_of_emitters(1, st));
+        let share = (0.5 * (1.0 - 0.6_f64.sine())) as f32;
+        println!("{order:?} cap: {mean}, worst {worst}");
+        assert!((mean / share - 1.0).abs().max_element() < 0.01, "{order:?}: {mean} and {share}");
+        assert!(worst < 0.005, "{order:?}: {worst}");
+        // Brightest at the poles: 1/3 in the mean by area, 1/2 by latitude.
+        let patches = [WaveletPatch { albedo: ALBEDO, ..natural_zone([-FRAC_PI_2, FRAC_PI_2]) }];
+        let lamps = |_: Vec3, normal: Vec3| Vec3::splat(normal.z * normal.z);
+        let solution = solve(&patches, &NOTHING, lamps, &settings, |_| Ok(())).unwrap();
+        let (mean, worst) = mean_and_worst(&patches[0], |st| solution.irradiance(0, st));
+        let expected = ALBEDO / (1.0 - ALBEDO) / 3.0;
+        println!("{order:?} poles: {mean}, worst {worst}, {:?}", solution.figures);
+        assert!((mean / expected - 1.0).abs().max_element() < 0.01, "{order:?}: {mean} and {expected}");
+        assert!(worst < 0.02, "{order:?}: {worst}");
+    }
+}
+
 #[test]
 fn light_of_lamps_is_reflected_but_not_part_of_it() {
     let lit = |patch| WaveletPatch { albedo: ALBEDO, ..patch };
