@@ -38,10 +38,11 @@ struct Truth {
 /// Prints a table for each scene.
 pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
     println!(
-        "At 99% convergence, or what had been shot after {TIME_LIMIT:.0} s. *Error*: bounced light at the pixels\n\
-         of the scene's camera against the path tracer's on exact faces: relative RMS without the path tracer's\n\
-         noise, and bias. What the camera sees is the exact surface in all rows. *Natural parameters*: the square\n\
-         of a face is that of the surface's own parameters, so that the Jacobian is not constant.\n"
+        "At 99% convergence, or what had been shot after {TIME_LIMIT:.0} s. *Error*: bounced light at the\n\
+         pixels of the scene's camera against the path tracer's on exact faces: relative RMS without the\n\
+         path tracer's noise, and bias. What the camera sees is the exact surface in all rows. *Natural\n\
+         parameters*: the square of a face is that of the surface's own parameters, so that the Jacobian is\n\
+         not constant.\n"
     );
     for name in names {
         println!("### {name}\n");
