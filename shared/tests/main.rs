@@ -1,6 +1,8 @@
 //! Tests of the shared crate, in one program.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[cfg(feature = "radiosity")]
+mod lightmap;
 mod openness;
 mod rules;
 mod shown;

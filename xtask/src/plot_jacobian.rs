@@ -1,10 +1,9 @@
 //! `cargo xtask plot-jacobian`: draws grids of the unit square on surfaces, coloured by the Jacobian: by natural parameters, and
 //! by the virtual mesh (Alonso et al. 2001, Figure 4 c and b).
 
-use crate::process;
+use crate::{process, report};
 use anyhow::{Context, Result, bail, ensure};
 use std::fmt::Write;
-use std::process::Stdio;
 
 /// Width and height of a panel, and the height of its caption.
 const PANEL: [f64; 2] = [240.0, 170.0];
@@ -42,12 +41,7 @@ struct DrawnCell {
 /// # Errors
 /// If a step fails.
 pub fn run() -> Result<()> {
-    let mut command = process::cargo();
-    command.args(["run", "--release", "--locked", "--package", "rebounce-cad", "--example", "jacobian"]);
-    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
-    let output = output.context("the grids could not be made")?;
-    ensure!(output.status.success(), "the grids were not finished ({})", output.status);
-    let surfaces = parse(&String::from_utf8_lossy(&output.stdout))?;
+    let surfaces = parse(&report::printed_by("rebounce-cad", "jacobian", &[])?)?;
     let out = process::root().join("docs/method/jacobian.svg");
     std::fs::write(&out, drawing(&surfaces)).with_context(|| out.display().to_string())?;
     println!("wrote {}", out.display());

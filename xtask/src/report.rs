@@ -1,7 +1,7 @@
 //! Pages of docs/reports: figures, headed with the command, the commit, the processor and the date.
 
 use crate::process;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 use std::process::{Command, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -30,14 +30,27 @@ pub fn write(name: &str, title: &str, command: &str, figures: &str) -> Result<()
 /// # Errors
 /// If the example or the writing fails.
 pub fn of_example(name: &str, title: &str, args: &[String], line: &str) -> Result<()> {
-    let mut command = process::cargo();
-    command.args(["run", "--release", "--locked", "--package", "rebounce-tests", "--example", name, "--"]);
-    let output = command.args(args).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
-    let output = output.context("the figures could not be made")?;
-    let figures = String::from_utf8_lossy(&output.stdout);
+    let figures = printed_by("rebounce-tests", name, args)?;
     println!("{figures}");
-    ensure!(output.status.success(), "the figures were not finished ({})", output.status);
     write(name, title, line, &figures)
+}
+
+/// Runs an example of a package with these arguments; returns what it prints.
+///
+/// # Errors
+/// If the example fails.
+pub fn printed_by(package: &str, example: &str, args: &[String]) -> Result<String> {
+    let mut command = process::cargo();
+    command.args(["run", "--release", "--locked", "--package", package, "--example", example, "--"]);
+    let output = command.args(args).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.with_context(|| format!("the example {example} could not be run"))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    if !output.status.success() {
+        // What there was before.
+        println!("{text}");
+        bail!("the example {example} did not finish ({})", output.status);
+    }
+    Ok(text)
 }
 
 /// The line of a measurement.

@@ -27,7 +27,9 @@ pub fn from_lightmap(
     if !meshes.iter().all(has_charts) {
         return None;
     }
-    let own = texels_per_unit(meshes);
+    let [texels, area] = areas(meshes);
+    // The mean over the surfaces.
+    let own = if area > 0.0 { (texels / area).sqrt() as f32 } else { 1.0 };
     let (Density::Exactly(wanted) | Density::AtMost(wanted)) = density;
     let mut times = 1;
     while own * (times as f32) < wanted && 2 * times * size.max_element() <= max_size {
@@ -48,7 +50,7 @@ pub fn from_lightmap(
         texels_per_unit: own * times as f32,
         wanted: None,
         chart_count: first_chart,
-        used: used_share(meshes, size / times),
+        used: (texels / scene.lightmap.area() as f64).min(1.0) as f32,
         meshes: parts,
     })
 }
@@ -72,17 +74,6 @@ fn areas(meshes: &[ExportMesh]) -> [f64; 2] {
         }
     }
     sums
-}
-
-/// Texels along a scene unit, the mean over the surfaces.
-fn texels_per_unit(meshes: &[ExportMesh]) -> f32 {
-    let [texels, area] = areas(meshes);
-    if area > 0.0 { (texels / area).sqrt() as f32 } else { 1.0 }
-}
-
-/// Share of the texels that show a surface.
-fn used_share(meshes: &[ExportMesh], size: UVec2) -> f32 {
-    (areas(meshes)[0] / (f64::from(size.x) * f64::from(size.y))).min(1.0) as f32
 }
 
 /// A mesh with its own vertices, and the coordinates of the lightmap. Parts that hang together are charts.

@@ -7,7 +7,6 @@ use glam::{Affine3A, Mat3, UVec2, Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
-use rebounce_shared::rbn::lightmap::TexelCoordinates;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -148,7 +147,7 @@ impl Growing {
             mesh.normals.push(if *is_back { -normal } else { normal });
             mesh.uvs.push(vertex.uv);
             let texels = scene.lightmap.coordinates.get(index as usize);
-            mesh.lightmap.push(texels.filter(|at| **at != TexelCoordinates::NONE).map(|at| at.texels()));
+            mesh.lightmap.push(texels.and_then(|at| at.texels()));
             mesh.positions.len() as u32 - 1
         })
     }
@@ -179,8 +178,8 @@ pub fn meshes(scene: &BakedScene) -> Vec<ExportMesh> {
         };
         let mut sides = [false, true].map(|back| {
             let mut side = Growing::new(places.clone(), !range.is_empty(), back);
-            let first = if range.is_empty() { 0 } else { range.start + 1 };
-            let offset = |copy: usize| scene.lightmap.offsets.get(first + copy).map(|one| one.of_side(back));
+            let offsets = scene.lightmap.offsets_of(range.clone());
+            let offset = |copy: usize| offsets.get(copy).map(|one| one.of_side(back));
             side.mesh.chart_offsets =
                 (0..places.len()).map(|copy| offset(copy).unwrap_or_default()).collect();
             side

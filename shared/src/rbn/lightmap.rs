@@ -18,6 +18,7 @@ use super::limits::sane;
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2};
+use std::ops::Range;
 
 /// Steps of coordinates in a texel.
 pub const STEPS: u32 = 16;
@@ -41,9 +42,9 @@ impl TexelCoordinates {
         Self([steps.x as u16, steps.y as u16])
     }
 
-    /// Coordinates in texels.
-    pub fn texels(self) -> Vec2 {
-        Vec2::new(f32::from(self.0[0]), f32::from(self.0[1])) / STEPS as f32
+    /// Coordinates in texels; `None` without a chart.
+    pub fn texels(self) -> Option<Vec2> {
+        (self != Self::NONE).then(|| Vec2::from(self.0.map(f32::from)) / STEPS as f32)
     }
 }
 
@@ -94,6 +95,12 @@ impl Lightmap {
         self.layout.scales.is_empty()
     }
 
+    /// Offsets by copy of triangles with this range of instances; an empty range is of those without copies. Empty without a
+    /// lightmap.
+    pub fn offsets_of(&self, copies: Range<usize>) -> &[ChartOffset] {
+        self.offsets.get(offsets_of(copies)).unwrap_or_default()
+    }
+
     /// Number of texels of a layer.
     pub fn area(&self) -> usize {
         self.layout.size[0] as usize * self.layout.size[1] as usize
@@ -103,6 +110,11 @@ impl Lightmap {
     pub fn layer(&self, layer: usize) -> &[Texel] {
         &self.texels[layer * self.area()..][..self.area()]
     }
+}
+
+/// Where section `LMOF` has the offsets of triangles with this range of instances, which is empty for those without copies.
+pub fn offsets_of(copies: Range<usize>) -> Range<usize> {
+    if copies.is_empty() { 0..1 } else { copies.start + 1..copies.end + 1 }
 }
 
 /// Encodes section `LMAP`.

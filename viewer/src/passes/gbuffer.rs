@@ -38,7 +38,8 @@ impl GBuffer {
 
 /// The pass that fills a [`GBuffer`].
 pub struct GBufferPass {
-    frame_layout: wgpu::BindGroupLayout,
+    /// The layout of [`Self::frame_group`].
+    pub frame_layout: wgpu::BindGroupLayout,
     material_layout: wgpu::BindGroupLayout,
     /// Pipelines for each of [`SURFACES`], without and with back-face culling, created on first use.
     pipelines: [[OnceCell<wgpu::RenderPipeline>; 2]; 2],

@@ -182,7 +182,8 @@ impl Renderer {
         #[cfg(feature = "radiosity")]
         if let Some((lightmap, to)) = scene.lightmap.as_ref().zip(target.lightmap.as_ref()) {
             let (upload, gbuffer) = (&scene.upload, &target.gbuffer);
-            self.pipelines.lightmap.draw(&self.gpu, encoder, to, gbuffer, upload, lightmap);
+            let frame = (&target.frame_group, &self.pipelines.gbuffer.frame_layout);
+            self.pipelines.lightmap.draw(&self.gpu, encoder, to, gbuffer, frame, upload, lightmap);
         }
     }
 

@@ -9,7 +9,7 @@ use crate::passes::composite::{self, Picture, PictureSources};
 use crate::passes::display::{self, DisplayTarget};
 use crate::passes::gbuffer::GBuffer;
 #[cfg(feature = "radiosity")]
-use crate::passes::lightmap::LightmapTarget;
+use crate::passes::lightmap;
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
 use crate::scene::sky::Sky;
@@ -34,7 +34,7 @@ pub struct Target {
     pub blended: Option<BlendedTarget>,
     /// Light of the lightmap, if the scene has one.
     #[cfg(feature = "radiosity")]
-    pub lightmap: Option<LightmapTarget>,
+    pub lightmap: Option<wgpu::TextureView>,
     /// The picture.
     pub picture: Picture,
     own: Scope,
@@ -71,7 +71,7 @@ impl Target {
         let shading = composite::shading(&own);
         let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
         #[cfg(feature = "radiosity")]
-        let lightmap = scene.lightmap.as_ref().map(|_| pipelines.lightmap.target(gpu, &own, &frame, size));
+        let lightmap = scene.lightmap.as_ref().map(|_| lightmap::picture(&own, size));
         let sources = PictureSources {
             frame: &frame,
             shading: &shading,
@@ -84,7 +84,7 @@ impl Target {
             ground: &scene.upload.ground,
             sky: sky.map(|sky| &sky.view),
             #[cfg(feature = "radiosity")]
-            lightmap: lightmap.as_ref().map(|target| &target.picture),
+            lightmap: lightmap.as_ref(),
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =

@@ -33,10 +33,7 @@ pub(super) fn flattened(patches: Vec<BezierPatch>) -> Vec<(usize, BezierPatch)> 
 /// The direction in which a patch is bent most, u (0) or v (1); `None` if it is nearly flat.
 fn bent(patch: &BezierPatch) -> Option<usize> {
     let [p, q] = patch.degrees;
-    let place = |i: usize, j: usize| {
-        let pole = patch.net[i * (q + 1) + j];
-        pole.truncate() / pole.w
-    };
+    let place = |i: usize, j: usize| patch.pole(i * (q + 1) + j);
     // From the chord of a row or column.
     let aside = |ends: [DVec3; 2], inner: DVec3, index: usize, degree: usize| {
         ends[0].lerp(ends[1], index as f64 / degree as f64).distance(inner)

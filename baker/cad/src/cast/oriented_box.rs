@@ -21,7 +21,7 @@ pub(super) struct OrientedBox {
 impl OrientedBox {
     /// A box about a patch's control points: one axis is normal to the patch in the middle.
     pub fn of(patch: &BezierPatch) -> Self {
-        let place = |index: usize| patch.net[index].truncate() / patch.net[index].w;
+        let place = |index: usize| patch.pole(index);
         let last = patch.net.len() - 1;
         let corners = [place(0), place(patch.degrees[1]), place(last - patch.degrees[1]), place(last)];
         let [along_u, along_v] = [

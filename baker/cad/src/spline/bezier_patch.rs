@@ -31,11 +31,15 @@ impl BezierPatch {
         rows.zip(values_u).map(|(row, value)| value * along(row)).sum()
     }
 
+    /// A control point by its index in the net.
+    pub fn pole(&self, index: usize) -> DVec3 {
+        self.net[index].truncate() / self.net[index].w
+    }
+
     /// A box about the control points, least and greatest corner: the patch lies within their convex hull.
     pub fn bounds(&self) -> [DVec3; 2] {
-        self.net.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[least, greatest], pole| {
-            let place = pole.truncate() / pole.w;
-            [least.min(place), greatest.max(place)]
+        (0..self.net.len()).fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[least, greatest], index| {
+            [least.min(self.pole(index)), greatest.max(self.pole(index))]
         })
     }
 

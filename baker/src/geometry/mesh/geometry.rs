@@ -12,7 +12,7 @@ use rebounce_shared::motion::Motions;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::groups::Groups;
-use rebounce_shared::rbn::lightmap::{ChartOffset, TexelCoordinates};
+use rebounce_shared::rbn::lightmap::ChartOffset;
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -330,7 +330,7 @@ impl Geometry {
         let texture = |t: u32| textures[t as usize].clone();
         let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
         let mut lightmap: Vec<[Vec2; 3]> = Vec::new();
-        let mut chart_offsets: Vec<ChartOffset> = scene.lightmap.offsets.iter().take(1).copied().collect();
+        let mut chart_offsets = scene.lightmap.offsets_of(0..0).to_vec();
         // Triangles without instances first, then models: a model is a run of draw calls with equal copies.
         let stands = |draw: usize| scene.copies_of(draw);
         let draws = || scene.meta.draws.iter().enumerate();
@@ -342,8 +342,7 @@ impl Geometry {
             if !copies.is_empty() && copies != last {
                 let local_from_model = instances[copies.clone()].iter().map(Instance::local_from_model);
                 models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
-                chart_offsets
-                    .extend(scene.lightmap.offsets.get(copies.start + 1..copies.end + 1).unwrap_or_default());
+                chart_offsets.extend(scene.lightmap.offsets_of(copies.clone()));
                 last = copies;
             }
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
@@ -358,10 +357,7 @@ impl Geometry {
             }));
             if WITH_LIGHTMAPS && !scene.lightmap.is_empty() {
                 let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
-                let place = |i: u32| match scene.lightmap.coordinates[i as usize] {
-                    TexelCoordinates::NONE => Vec2::NAN,
-                    coordinates => coordinates.texels(),
-                };
+                let place = |i: u32| scene.lightmap.coordinates[i as usize].texels().unwrap_or(Vec2::NAN);
                 lightmap.extend(scene.indices[range].as_chunks::<3>().0.iter().map(|t| t.map(place)));
             }
             if let Some(model) = models.last_mut() {

@@ -58,6 +58,15 @@ pub(super) fn keeps_proportions(world_from_part: &DAffine3, is_planar: bool) -> 
     world_from_part.is_finite() && volume != 0.0 && (is_uniform || is_planar)
 }
 
+/// Takes normals of a face to normals of its front, or of its back, where it is placed. The length grows as areas across them
+/// do.
+pub(super) fn normal_from_part(world_from_part: &DAffine3, is_back: bool) -> DMat3 {
+    let DMat3 { x_axis, y_axis, z_axis } = world_from_part.matrix3;
+    let cofactors = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
+    let side = if is_back { -1.0 } else { 1.0 } * world_from_part.matrix3.determinant().signum();
+    side * cofactors
+}
+
 /// A point of a surface with its normal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PatchPoint {
@@ -75,12 +84,6 @@ impl<'a> PlacedPatch<'a> {
     /// # Errors
     /// [`WaveletError`] if areas would not keep their proportions, or a number makes no sense.
     pub(super) fn new(patch: &'a WaveletPatch, index: usize) -> Result<Self, WaveletError> {
-        let linear = patch.world_from_part.matrix3;
-        let adjugate = DMat3::from_cols(
-            linear.y_axis.cross(linear.z_axis),
-            linear.z_axis.cross(linear.x_axis),
-            linear.x_axis.cross(linear.y_axis),
-        );
         if !keeps_proportions(&patch.world_from_part, patch.mesh.is_planar()) {
             return Err(WaveletError::Transform { patch: index });
         }
@@ -88,8 +91,8 @@ impl<'a> PlacedPatch<'a> {
         if !is_colour(patch.albedo) || !is_colour(patch.emission) || patch.albedo.max_element() > 1.0 {
             return Err(WaveletError::Material { patch: index });
         }
-        let side = if patch.is_back { -1.0 } else { 1.0 } * linear.determinant().signum();
-        let growth = (adjugate * patch.mesh.normal(DVec2::splat(0.5))).length();
+        let normal_from_part = normal_from_part(&patch.world_from_part, patch.is_back);
+        let growth = (normal_from_part * patch.mesh.normal(DVec2::splat(0.5))).length();
         let mut it = Self {
             mesh: &patch.mesh,
             albedo: patch.albedo.as_dvec3(),
@@ -99,7 +102,7 @@ impl<'a> PlacedPatch<'a> {
             ball: (DVec3::ZERO, 0.0),
             middle: PatchPoint::default(),
             world_from_part: patch.world_from_part,
-            normal_from_part: side * adjugate,
+            normal_from_part,
         };
         it.ball = it.ball_of(Cell::ROOT);
         it.middle = it.point_with_nearest(it.mesh.real_part(Cell::ROOT.corners()).1, 1.0);
@@ -145,5 +148,28 @@ impl<'a> PlacedPatch<'a> {
         let centre = points.iter().sum::<DVec3>() / points.len() as f64;
         let radius = points.iter().map(|point| point.distance(centre)).fold(0.0, f64::max);
         (centre, 1.25 * radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    #[test]
+    fn normals_stay_on_their_side_of_a_face_wherever_it_is_placed() {
+        let normal = DVec3::new(1.0, 2.0, -0.5).normalize();
+        for scale in [DVec3::splat(2.0), DVec3::new(-1.0, 1.0, 1.0), DVec3::new(3.0, -0.5, 1.0)] {
+            let turn = DQuat::from_axis_angle(DVec3::new(0.3, 1.0, 0.2).normalize(), 1.3);
+            let place = DAffine3::from_scale_rotation_translation(scale, turn, DVec3::new(5.0, 0.0, 1.0));
+            let [front, back] = [false, true].map(|is_back| normal_from_part(&place, is_back) * normal);
+            // Right angles with the face, and the side that the front's own direction goes to.
+            let (along, beside) = normal.any_orthonormal_pair();
+            let placed = |direction| place.transform_vector3(direction);
+            assert!(front.dot(placed(along)).abs().max(front.dot(placed(beside)).abs()) < 1e-12);
+            assert!(front.dot(placed(normal)) > 0.0 && back == -front, "{scale}: {front}");
+            let growth = placed(along).cross(placed(beside)).length();
+            assert!((front.length() / growth - 1.0).abs() < 1e-12, "{scale}");
+        }
     }
 }

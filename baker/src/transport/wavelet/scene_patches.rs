@@ -2,7 +2,7 @@
 
 use super::WaveletPatch;
 use super::complex_polygons::complex_polygons;
-use super::patch::keeps_proportions;
+use super::patch::{keeps_proportions, normal_from_part};
 use crate::geometry::brep::BrepSurfaces;
 use crate::geometry::mesh::geometry::Surface;
 use crate::scene::Scene;
@@ -146,8 +146,10 @@ impl ScenePatches {
     /// Area of the unit square of a patch, square scene units.
     pub fn area(&self, patch: usize) -> f64 {
         let (instance, ..) = self.patches[patch];
-        let scale = self.brep.instances[instance as usize].local_from_part.matrix3.determinant().abs().cbrt();
-        self.mesh(patch).map_or(0.0, |mesh| scale * scale * mesh.area())
+        let normal_from_part =
+            normal_from_part(&self.brep.instances[instance as usize].local_from_part, false);
+        let growth = |mesh: &VirtualMesh| (normal_from_part * mesh.normal(DVec2::splat(0.5))).length();
+        self.mesh(patch).map_or(0.0, |mesh| growth(mesh) * mesh.area())
     }
 
     /// Position and unit normal, on its side, of a point of a patch, local space.
@@ -156,8 +158,7 @@ impl ScenePatches {
         let place = &self.brep.instances[instance as usize].local_from_part;
         let Some(mesh) = self.mesh(patch) else { return [Vec3::ZERO; 2] };
         let [position, normal] = mesh.point_and_normal(st);
-        let side = if is_back { -1.0 } else { 1.0 } * place.matrix3.determinant().signum();
-        let normal = place.matrix3.inverse().transpose() * normal * side;
+        let normal = normal_from_part(place, is_back) * normal;
         [place.transform_point3(position).as_vec3(), normal.normalize_or_zero().as_vec3()]
     }
 

@@ -14,7 +14,7 @@ use glam::{DVec2, UVec2};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::lightmap::{
-    ChartOffset, Lightmap, LightmapLayout, MAX_LAYERS, MAX_SIDE, TexelCoordinates,
+    ChartOffset, Lightmap, LightmapLayout, MAX_LAYERS, MAX_SIDE, TexelCoordinates, offsets_of,
 };
 use std::collections::HashMap;
 
@@ -75,8 +75,8 @@ pub fn add_lightmap(file: &mut BakedScene, source: LightmapSource<'_>) -> Option
     }
     let mut offsets = vec![ChartOffset::default(); file.instances.len() + 1];
     for layout in &layouts {
-        let first = if layout.model.copies.is_empty() { 0 } else { layout.model.copies.start + 1 };
-        for (offset, [front, back]) in offsets[first..].iter_mut().zip(&layout.places) {
+        let own = offsets_of(layout.model.copies.clone());
+        for (offset, [front, back]) in offsets[own].iter_mut().zip(&layout.places) {
             *offset = ChartOffset([front.x, front.y, back.x, back.y].map(|at| at as u16));
         }
     }
