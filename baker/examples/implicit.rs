@@ -4,7 +4,7 @@
 //! bounced light against the path tracer, which meets the same surfaces.
 
 use glam::{Vec2, Vec3};
-use rebounce::geometry::{Hit, Ray, Surfaces, Tessellate};
+use rebounce::geometry::{Gloss, Hit, Ray, Surfaces, Tessellate};
 use rebounce::io::picture::Only;
 use rebounce::light::illumination::Illumination;
 use rebounce::prelude::*;
@@ -135,6 +135,7 @@ impl Surfaces for Implicit {
             is_unlit: false,
             group: 0,
             lightmap: None,
+            gloss: Gloss::MATT,
         })
     }
 

@@ -1,7 +1,7 @@
 //! The path tracer against analytic results. Furnaces are in the path tracer's own tests.
 
 use glam::Vec3;
-use rebounce::geometry::{Hit, Ray, Surfaces};
+use rebounce::geometry::{Gloss, Hit, Ray, Surfaces};
 use rebounce::io::picture::Only;
 use rebounce::light::illumination::Illumination;
 use rebounce::random::Stream;
@@ -43,6 +43,7 @@ impl Surfaces for Squares {
                     is_unlit: false,
                     group: 0,
                     lightmap: None,
+                    gloss: Gloss::MATT,
                 }
             })
         };

@@ -28,6 +28,9 @@ pub struct Shot {
     /// Factor of the emission of all surfaces.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub emission: f64,
+    /// Whether metals are GGX conductors whose reflectance is the base colour at every angle; otherwise they are Lambertian.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub gloss: bool,
     /// Lights of the scene; without lights, and without surfaces that shine, the picture is black.
     #[serde(default)]
     pub lights: Vec<Light>,
@@ -46,7 +49,7 @@ impl Shot {
     /// Returns a shot without names, whose surfaces shine as the scene says.
     pub fn new(size: [u32; 2], camera: Camera, lights: Vec<Light>) -> Self {
         let (mix, moves, light_names) = Default::default();
-        Self { scene: None, size, camera, emission: 1.0, lights, mix, moves, light_names }
+        Self { scene: None, size, camera, emission: 1.0, gloss: false, lights, mix, moves, light_names }
     }
 
     /// Resolves the names of emissive lights to numbers of groups of shining surfaces, by the names of the scene's

@@ -2,7 +2,7 @@
 
 use super::meshes::SurfaceTriangle;
 use crate::geometry::mesh::TriangleSurfaces;
-use crate::geometry::{Hit, Ray, Surfaces};
+use crate::geometry::{Gloss, Hit, Ray, Surfaces};
 use crate::io::picture::Only;
 use crate::random::Stream;
 use crate::verify::render::Relit;
@@ -77,6 +77,7 @@ impl SurfaceElement {
             is_unlit: false,
             group: self.group,
             lightmap: self.lightmap,
+            gloss: Gloss::MATT,
         }
     }
 }

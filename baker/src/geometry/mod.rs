@@ -95,6 +95,31 @@ pub struct Hit {
     pub group: u32,
     /// Place in the [lightmap](rebounce_shared::rbn::lightmap), texels; `None` where the surface has no chart.
     pub lightmap: Option<Vec2>,
+    /// How the surface shines.
+    pub gloss: Gloss,
+}
+
+/// How a surface shines: glTF's metallic-roughness model. Transport between points and pictures without gloss take every
+/// surface for Lambertian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Metalness, 0 to 1.
+    pub metallic: f32,
+    /// Roughness, 0 to 1.
+    pub roughness: f32,
+    /// Specular strength of what is not metal, 0 to 1.
+    pub specular: f32,
+}
+
+impl Gloss {
+    /// A surface without any.
+    pub const MATT: Self = Self { metallic: 0.0, roughness: 1.0, specular: 0.0 };
+
+    /// Whether the surface counts as a metal.
+    #[inline]
+    pub fn is_metal(self) -> bool {
+        self.metallic > 0.5
+    }
 }
 
 impl Hit {

@@ -1,6 +1,6 @@
 //! Surfaces with the rectangles, disks and spheres of area lights among them.
 
-use super::{Emitters, Hit, HitEmitter, Ray, Surfaces};
+use super::{Emitters, Gloss, Hit, HitEmitter, Ray, Surfaces};
 use glam::Vec3;
 use rebounce_shared::light::{LightKind, LightSource};
 
@@ -127,6 +127,7 @@ impl<'a, S: Surfaces + ?Sized> WithLights<'a, S> {
             is_unlit: false,
             group: 0,
             lightmap: None,
+            gloss: Gloss::MATT,
         })
     }
 }

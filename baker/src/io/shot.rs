@@ -72,7 +72,7 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 }
 
 /// Known members of a shot, of its camera, and of lights by type.
-const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights", "mix", "move"];
+const SHOT: &[&str] = &["scene", "size", "camera", "emission", "gloss", "lights", "mix", "move"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
 /// Name of a light; of an emissive light, the name of its group.
@@ -254,7 +254,7 @@ mod tests {
                 "direction",
             ),
             (format!(r#"{{{camera},"emission":-1}}"#), "emission is"),
-            (format!(r#"{{{camera},"gloss":true}}"#), "has no \"gloss\""),
+            (format!(r#"{{{camera},"gloss":1}}"#), "boolean"),
             (
                 format!(r#"{{{camera},"lights":[{{"type":"environment"}},{{"type":"environment"}}]}}"#),
                 "more than one environment",

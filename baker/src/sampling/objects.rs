@@ -11,7 +11,7 @@ use super::object_side::{ObjectSide, corners, place};
 use super::patience::{Patience, SHARES};
 use super::place_settings::PlaceSettings;
 use super::poisson_disk::DartBoard;
-use crate::geometry::{Hit, Primitives, SurfaceCoordinates, Surfaces};
+use crate::geometry::{Gloss, Hit, Primitives, SurfaceCoordinates, Surfaces};
 use crate::random::Stream;
 use crate::scene::union;
 use glam::{Vec2, Vec3};
@@ -145,6 +145,7 @@ impl Object {
             is_unlit: false,
             group: spot.group,
             lightmap: None,
+            gloss: Gloss::MATT,
         };
         Some(SurfacePoint::at(&hit, surfaces))
     }

@@ -36,6 +36,7 @@ mod tests {
                 is_unlit: false,
                 group: 0,
                 lightmap: None,
+                gloss: crate::geometry::Gloss::MATT,
             };
             let (p, n) = rounded(&hit(position, normal), epsilon, 0.0);
             assert!(p.distance(position) < 0.5 * epsilon && n.dot(normal) > 0.999_998, "{position} {normal}");

@@ -11,6 +11,12 @@ pub fn of_light(material: &Material) -> impl Iterator<Item = u32> {
     details.into_iter().chain([material.base_color_texture]).flatten()
 }
 
+/// Texture of roughness and metalness of a material, for gloss; `None` where it changes nothing.
+pub fn of_gloss(material: &Material) -> Option<u32> {
+    let shines = material.metallic > 0.0 || material.specular > 0.0;
+    material.metallic_roughness_texture.filter(|_| shines).map(|detail| detail.texture)
+}
+
 /// Emission texture of a material in pictures; `None` without emission.
 pub fn of_emission(material: &Material) -> Option<u32> {
     material.emission_texture.filter(|_| material.emission != [0.0; 3]).map(|detail| detail.texture)

@@ -1,7 +1,7 @@
 //! A closed box as a second implementation of `Surfaces`: for tests of code against the trait only.
 
 use glam::Vec3;
-use rebounce::geometry::{Hit, Ray, Surfaces};
+use rebounce::geometry::{Gloss, Hit, Ray, Surfaces};
 
 /// The inside of an axis-aligned box from `low` to `high`, with one albedo.
 pub struct BoxRoom {
@@ -37,6 +37,7 @@ impl Surfaces for BoxRoom {
             is_unlit: false,
             group: 0,
             lightmap: None,
+            gloss: Gloss::MATT,
         })
     }
 

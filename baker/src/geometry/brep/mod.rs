@@ -156,6 +156,7 @@ impl BrepSurfaces {
             is_unlit: false,
             group: surface.group,
             lightmap: None,
+            gloss: surface.gloss,
         }
     }
 }

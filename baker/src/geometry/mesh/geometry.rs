@@ -1,6 +1,7 @@
 //! Input of the ray caster, from a loaded [`Scene`] or a baked file.
 
 use super::glass::{Detail, Glass};
+use crate::geometry::Gloss;
 use crate::geometry::simplify::{TOGETHER, simplify};
 use crate::scene::model::bounds_of_copy;
 use crate::scene::texture::{Sampler, Texels};
@@ -52,6 +53,9 @@ pub struct Surface {
     emission_texture: Option<Box<Detail>>,
     /// Whether pictures show the albedo unlit.
     pub is_unlit: bool,
+    /// Factors of how it shines, and the texture of roughness (green) and metalness (blue).
+    pub gloss: Gloss,
+    gloss_texture: Option<Box<Detail>>,
     /// Transmission in addition to alpha.
     pub glass: Option<Box<Glass>>,
     /// [Reconstruction group](rebounce_shared::rbn::groups) of the triangles with the material.
@@ -91,6 +95,8 @@ impl Surface {
         let [r, g, b, a] = material.base_color;
         let glass = Glass::new(material, &texture);
         let emission_texture = Detail::new(&material.emission_texture, &texture).map(Box::new);
+        let gloss_texture = Detail::new(&material.metallic_roughness_texture, &texture).map(Box::new);
+        let Material { metallic, roughness, specular, .. } = *material;
         let texture = material.base_color_texture.and_then(texture);
         // Many exporters mark opaque surfaces as BLEND or MASK: search for a texel that is not opaque.
         let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
@@ -114,6 +120,8 @@ impl Surface {
             emission: Vec3::from(material.emission),
             emission_texture,
             is_unlit: material.extras.unlit,
+            gloss: Gloss { metallic, roughness, specular },
+            gloss_texture,
             glass,
             group: 0,
         }
@@ -152,6 +160,17 @@ impl Surface {
     /// of the texture.
     pub fn shine(&self, uv: Vec2, share: f32) -> Vec3 {
         self.emission * self.emission_texture.as_ref().map_or(Vec3::ONE, |texture| texture.color(uv, share))
+    }
+
+    /// Returns how the surface shines at a texture coordinate.
+    #[inline]
+    pub fn gloss(&self, uv: Vec2) -> Gloss {
+        let Some(texture) = &self.gloss_texture else { return self.gloss };
+        Gloss {
+            metallic: self.gloss.metallic * texture.channel(uv, 2),
+            roughness: self.gloss.roughness * texture.channel(uv, 1),
+            ..self.gloss
+        }
     }
 
     /// Returns alpha; 1 for an opaque surface.
@@ -297,7 +316,8 @@ impl Geometry {
         let instances = scene.moved_instances(motions);
         let materials = &scene.meta.materials;
         let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
-        let used: HashSet<u32> = materials.iter().filter_map(needed::of_emission).collect();
+        let of_pictures = |m| needed::of_emission(m).into_iter().chain(needed::of_gloss(m));
+        let used: HashSet<u32> = materials.iter().flat_map(of_pictures).collect();
         let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()
             .map(|i| {
@@ -315,7 +335,7 @@ impl Geometry {
                             problem,
                         });
                     }
-                    // Pictures do without an emission texture.
+                    // Pictures do without a texture of emission or gloss.
                     Err(_) => return Ok(None),
                 };
                 Ok(Some(Sampler {

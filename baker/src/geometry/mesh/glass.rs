@@ -34,7 +34,7 @@ impl Detail {
     }
 
     /// Returns a channel of the nearest texel, 0 to 1.
-    fn channel(&self, uv: Vec2, channel: usize) -> f32 {
+    pub(super) fn channel(&self, uv: Vec2, channel: usize) -> f32 {
         f32::from(self.sampler.nearest_texel(self.at(uv))[channel]) / 255.0
     }
 

@@ -251,6 +251,7 @@ impl TriangleSurfaces {
             is_unlit,
             group: surface.group,
             lightmap: self.lightmap_at(&found, m, direction),
+            gloss: surface.gloss(look.uv(m.shares())),
         }
     }
 

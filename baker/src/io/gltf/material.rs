@@ -292,7 +292,8 @@ impl<'a> Materials<'a> {
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
         let needed: HashSet<u32> = self.out.iter().flat_map(needed::of_light).collect();
-        let shining: HashSet<u32> = self.out.iter().filter_map(needed::of_emission).collect();
+        let of_pictures = |m| needed::of_emission(m).into_iter().chain(needed::of_gloss(m));
+        let shining: HashSet<u32> = self.out.iter().flat_map(of_pictures).collect();
         // Image index, whether decoded, whether needed by light transport.
         let mut images: Vec<(usize, bool, bool)> = Vec::new();
         let mut of_image = Vec::new();

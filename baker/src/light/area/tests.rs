@@ -1,7 +1,7 @@
 use super::*;
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::with_lights::{WithLights, meet};
-use crate::geometry::{Hit, Surfaces};
+use crate::geometry::{Gloss, Hit, Surfaces};
 use crate::light::direct;
 use crate::random::Stream;
 use rebounce_shared::light::Light;
@@ -164,6 +164,7 @@ fn fixed_samples_are_near_the_closed_form_and_a_half_is_hidden_by_a_screen() {
         is_unlit: false,
         group: 0,
         lightmap: None,
+        gloss: Gloss::MATT,
     };
     let mut stream = Stream::new(1, 1);
     let sum: f64 =

@@ -250,6 +250,7 @@ impl Surfaces for Ball {
             is_unlit: false,
             group: 0,
             lightmap: None,
+            gloss: crate::geometry::Gloss::MATT,
         })
     }
 
