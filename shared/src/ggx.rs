@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 /// Least α, as path tracers of comparisons have it: narrower lobes are mirrors to any picture.
 pub const LEAST_ALPHA: f32 = 0.01;
 /// Number of samples of a lobe in [`lobe`].
-pub const LOBE_SAMPLES: u32 = 8;
+pub const LOBE_SAMPLES: u32 = 16;
 
 /// Returns α of a roughness.
 #[inline]

@@ -5,19 +5,22 @@
 //! coefficients of arriving radiance, T l with the point's matrix T and the environment's coefficients l, and those of
 //! visibility (Lehtinen et al. 2007, 6.4). Between points they are interpolated as irradiance is.
 //!
-//! [`reflected`] is the light that a lobe sends to the eye. The harmonics are smooth; the environment is not. So what they
-//! leave out of it is added where it is seen:
+//! [`GlossyField::reflected`] is the light that a lobe sends to the eye. Harmonics are smooth; an environment is not. So matrices hold what
+//! bounced, and the environment itself is seen through the visibility:
 //!
 //! ```text
-//! L(ω) = (T l)(ω) + V(ω) (L_env(ω) − l(ω))
+//! L(ω) = (T l)(ω) + V(ω) L_env(ω)
 //! ```
+//!
+//! Where matrices hold light that did not bounce, too, the environment adds what harmonics leave out of it, L_env − l.
 
 use crate::baked::BakedScene;
 use crate::environment::environment_from_world;
 use crate::environment::mips::EnvironmentMips;
 use crate::footprint::tangents;
 use crate::ggx::{LOBE_SAMPLES, alpha, lobe};
-use crate::harmonics::{COUNT, Coefficients, evaluate};
+use crate::harmonics::{COUNT, Coefficients, evaluate, value};
+use crate::lighting::Lighting;
 use crate::rbn::gloss::{Gloss, NO_MATRIX};
 use glam::{Vec3, Vec4};
 
@@ -33,15 +36,20 @@ pub struct GlossyField {
     /// By point of the file, its place among those of the transfer; `u32::MAX` where it has none.
     places: Vec<u32>,
     arriving: Vec<Arriving>,
+    /// Coefficients of the environment, as far as matrices hold it without a bounce.
+    smooth: Option<Box<Coefficients>>,
 }
 
 impl GlossyField {
-    /// Applies the transfer of a file to distant radiance with these coefficients.
-    pub fn new(scene: &BakedScene, sky: &Coefficients) -> Self {
+    /// Applies the transfer of a file to distant light. Lamps are reflected by themselves: only what matrices hold of bounced
+    /// light has their share.
+    pub fn new(scene: &BakedScene, lighting: &Lighting) -> Self {
         let gloss = &scene.gloss;
         if gloss.is_empty() {
             return Self::default();
         }
+        let has_direct = gloss.layout.has_direct;
+        let sky = &if has_direct { lighting.sky_coefficients() } else { lighting.distant_coefficients() };
         let lit: Vec<Arriving> = lit_vectors(gloss, sky);
         let count = 1 + gloss.layout.components as usize;
         let mut places = vec![u32::MAX; scene.points.len()];
@@ -60,7 +68,8 @@ impl GlossyField {
             places[*point as usize] = place;
             arriving.push(own);
         }
-        Self { places, arriving }
+        let smooth = gloss.layout.has_direct.then(|| Box::new(*sky));
+        Self { places, arriving, smooth }
     }
 
     /// Whether there is no transfer.
@@ -149,41 +158,41 @@ pub struct LobeLight {
     pub single: f32,
 }
 
-/// Integrates arriving light over the GGX lobe of a surface with this roughness and unit normal, seen from the unit direction
-/// `to_eye`; `sky` are the coefficients of the `skies` together. All in world space.
-pub fn reflected(
-    arriving: &Arriving,
-    skies: &[ReflectedSky<'_>],
-    sky: &Coefficients,
-    roughness: f32,
-    normal: Vec3,
-    to_eye: Vec3,
-) -> LobeLight {
-    let alpha = alpha(roughness);
-    let (first, second) = tangents(normal);
-    let local = Vec3::new(to_eye.dot(first), to_eye.dot(second), to_eye.dot(normal).max(1e-3)).normalize();
-    let mut out = LobeLight::default();
-    for i in 0..LOBE_SAMPLES {
-        let sample = lobe(alpha, local, i);
-        if sample.weight <= 0.0 {
-            continue;
+impl GlossyField {
+    /// Integrates arriving light over the GGX lobe of a surface with this roughness and unit normal, seen from the unit
+    /// direction `to_eye`, under `skies`. All in world space.
+    pub fn reflected(
+        &self,
+        arriving: &Arriving,
+        skies: &[ReflectedSky<'_>],
+        roughness: f32,
+        normal: Vec3,
+        to_eye: Vec3,
+    ) -> LobeLight {
+        let alpha = alpha(roughness);
+        let (first, second) = tangents(normal);
+        let in_frame = Vec3::new(to_eye.dot(first), to_eye.dot(second), to_eye.dot(normal).max(1e-3));
+        let in_frame = in_frame.normalize();
+        let mut out = LobeLight::default();
+        for i in 0..LOBE_SAMPLES {
+            let sample = lobe(alpha, in_frame, i);
+            if sample.weight <= 0.0 {
+                continue;
+            }
+            let l = sample.to_light;
+            let direction = first * l.x + second * l.y + normal * l.z;
+            let solid_angle = 1.0 / (LOBE_SAMPLES as f32 * sample.density);
+            let y = evaluate(direction);
+            let low: Vec4 = y.iter().zip(arriving).map(|(y, c)| *c * *y).sum();
+            let seen: Vec3 = skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum();
+            let smooth = self.smooth.as_ref().map(|sky| value(sky, direction)).unwrap_or_default();
+            let visibility = low.w.clamp(0.0, 1.0);
+            let radiance = (low.truncate() + (seen - smooth) * visibility).max(Vec3::ZERO);
+            out.radiance += radiance * sample.weight;
+            out.grazing += radiance * (sample.weight * (1.0 - sample.cosine).max(0.0).powi(5));
+            out.single += sample.weight;
         }
-        let l = sample.to_light;
-        let direction = first * l.x + second * l.y + normal * l.z;
-        let solid_angle = 1.0 / (LOBE_SAMPLES as f32 * sample.density);
-        let y = evaluate(direction);
-        let (mut low, mut smooth) = (Vec4::ZERO, Vec3::ZERO);
-        for ((y, c), l) in y.iter().zip(arriving).zip(sky) {
-            low += *c * *y;
-            smooth += *l * *y;
-        }
-        let detail: Vec3 =
-            skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum::<Vec3>() - smooth;
-        let radiance = (low.truncate() + detail * low.w.max(0.0).min(1.0)).max(Vec3::ZERO);
-        out.radiance += radiance * sample.weight;
-        out.grazing += radiance * (sample.weight * (1.0 - sample.cosine).max(0.0).powi(5));
-        out.single += sample.weight;
+        let share = 1.0 / LOBE_SAMPLES as f32;
+        LobeLight { radiance: out.radiance * share, grazing: out.grazing * share, single: out.single * share }
     }
-    let share = 1.0 / LOBE_SAMPLES as f32;
-    LobeLight { radiance: out.radiance * share, grazing: out.grazing * share, single: out.single * share }
 }

@@ -11,7 +11,9 @@ use crate::environment::{reflection::Reflection, world_from_environment};
 #[cfg(feature = "radiosity")]
 use crate::gloss::ReflectedSky;
 #[cfg(feature = "radiosity")]
-use crate::harmonics::{COUNT, Coefficients, rotation::Rotation};
+use crate::harmonics::{COUNT, Coefficients, evaluate, rotation::Rotation};
+#[cfg(feature = "radiosity")]
+use crate::light::LightKind;
 use crate::light::{Light, LightSource};
 use crate::light_group::{MovedLight, group_strengths};
 #[cfg(feature = "radiosity")]
@@ -130,6 +132,16 @@ impl Lighting {
             let turn = Mat3::from_cols(turn(Vec3::X), turn(Vec3::Y), turn(Vec3::Z));
             let turned = Rotation::new(turn).apply(background.reflection.coefficients());
             sum.iter_mut().zip(turned).for_each(|(sum, c)| *sum += background.factor * c);
+        }
+        sum
+    }
+
+    /// As [`Self::sky_coefficients`], with the light of suns and other directional lamps.
+    #[cfg(feature = "radiosity")]
+    pub fn distant_coefficients(&self) -> Coefficients {
+        let mut sum = self.sky_coefficients();
+        for lamp in self.lamps.iter().filter(|lamp| lamp.kind == LightKind::Directional) {
+            sum.iter_mut().zip(evaluate(-lamp.direction)).for_each(|(sum, y)| *sum += lamp.intensity * y);
         }
         sum
     }

@@ -15,11 +15,22 @@ pub struct GlossSettings {
     pub most: usize,
     /// Components of a cluster.
     pub components: u32,
+    /// Whether matrices hold the environment's light that did not bounce, as the report has it; otherwise pictures read it
+    /// from the environment, where it is seen.
+    pub has_direct: bool,
 }
 
 impl Default for GlossSettings {
     fn default() -> Self {
-        Self { metals: 0.9, dielectrics: 0.35, directions: 2048, epsilon: 0.5, most: 24_000, components: 12 }
+        Self {
+            metals: 0.9,
+            dielectrics: 0.35,
+            directions: 2048,
+            epsilon: 0.5,
+            most: 24_000,
+            components: 12,
+            has_direct: false,
+        }
     }
 }
 

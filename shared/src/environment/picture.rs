@@ -180,7 +180,7 @@ impl Environment {
 }
 
 /// Solid angle of the band between two heights of the picture, 0 to 1 from the top; sr.
-pub(crate) fn band(top: f64, bottom: f64) -> f64 {
+pub(super) fn band(top: f64, bottom: f64) -> f64 {
     // cos a − cos b, without the loss of digits near a pole.
     let half = std::f64::consts::FRAC_PI_2;
     2.0 * std::f64::consts::TAU * ((top + bottom) * half).sine() * ((bottom - top) * half).sine()

@@ -20,22 +20,22 @@ pub struct Sun {
 
 /// The surroundings of a sun are the ring between these distances from its brightest pixel, degrees. All of the sun is
 /// within the ring.
-const RING_DEG: [f32; 2] = [5.0, 8.0];
+const RING_DEG: [f32; 2] = [10.0, 14.0];
 /// A pixel belongs to the sun if its luminance is above this many times that of the surroundings.
 const CONTRAST: f32 = 10.0;
 /// A sun gives at least this share of the light (the integral of the radiance) of the upper hemisphere.
 const LEAST_SHARE: f64 = 0.05;
-/// Largest solid angle of a sun, in bins: a disk of 2.3° radius.
-const MOST_BINS: f64 = 0.1;
+/// Largest solid angle of a sun, in bins: a disk of 5.1° radius.
+const MOST_BINS: f64 = 0.5;
 /// Smallest and largest radius of a sun, degrees: as small as shadow maps can show, and as large as a ring allows.
-const RADII_DEG: [f64; 2] = [0.1, 5.0];
+const RADII_DEG: [f64; 2] = [0.1, 6.0];
 
 /// Takes the sun out of an environment; without one, the environment stays as it is.
 ///
 /// A sun is a connected region around the brightest pixel, above the horizon, in which the luminance is over
-/// ten times the median of its surroundings, a ring from 5° to 8°. It lies within the ring; its excess over the
+/// ten times the median of its surroundings, a ring from 10° to 14°. It lies within the ring; its excess over the
 /// surroundings is at least 5% of the light of the upper hemisphere; and a disk of its half-power solid angle, doubled,
-/// is at most a tenth of a bin. The region then has the radiance of the surroundings, and the sun what was taken away:
+/// is at most half of a bin. The region then has the radiance of the surroundings, and the sun what was taken away:
 /// the [`energy`](Environment::energy) of both together is the energy before. A window or a softbox is too wide, a
 /// clouded sky and a lamp among others too faint; those the bins show.
 pub fn extract_sun(environment: &Environment) -> (Environment, Option<Sun>) {

@@ -1,6 +1,6 @@
 //! Real spherical harmonics of the first five bands: 25 functions on the sphere.
 //!
-//! * here: [`evaluate`], the functions at a direction; [`project`], the coefficients of an environment;
+//! * here: [`evaluate`], the functions at a direction;
 //! * [`rotation`] – coefficients of a turned function (Ivanic and Ruedenberg 1996);
 //! * [`zonal`] – lobes that are round about an axis: convolution by one factor a band.
 //!
@@ -11,7 +11,6 @@
 pub mod rotation;
 pub mod zonal;
 
-use crate::environment::Environment;
 use glam::Vec3;
 
 /// Number of bands.
@@ -21,9 +20,6 @@ pub const COUNT: usize = BANDS * BANDS;
 
 /// Coefficients of a function of direction, linear RGB.
 pub type Coefficients = [Vec3; COUNT];
-
-/// Rows of samples of an environment, at least: pixels of small pictures are divided.
-const ROWS: u32 = 64;
 
 /// Band of a function.
 #[inline]
@@ -69,26 +65,6 @@ pub fn evaluate(direction: Vec3) -> [f32; COUNT] {
 #[inline]
 pub fn value(coefficients: &Coefficients, direction: Vec3) -> Vec3 {
     evaluate(direction).iter().zip(coefficients).map(|(y, c)| *c * *y).sum()
-}
-
-/// Returns the coefficients of an environment's radiance, environment space: ∫ L y_i dω.
-pub fn project(environment: &Environment) -> Coefficients {
-    let mut sums = [Vec3::ZERO; COUNT];
-    let parts = ROWS.div_ceil(environment.height);
-    let (columns, rows) = (environment.width * parts, environment.height * parts);
-    for row in 0..rows {
-        let (top, bottom) = (f64::from(row) / f64::from(rows), f64::from(row + 1) / f64::from(rows));
-        let solid_angle = crate::environment::picture::band(top, bottom) / f64::from(columns);
-        for column in 0..columns {
-            let direction = crate::environment::direction_at(
-                (f64::from(column) + 0.5) / f64::from(columns),
-                (f64::from(row) + 0.5) / f64::from(rows),
-            );
-            let radiance = environment.at(column / parts, row / parts) * solid_angle as f32;
-            sums.iter_mut().zip(evaluate(direction)).for_each(|(sum, y)| *sum += radiance * y);
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 use super::rotation::Rotation;
 use super::zonal::{COSINE, convolved, factors};
 use super::*;
-use crate::environment::environment_from_world;
 use crate::random::Stream;
 use glam::{Mat3, Quat};
 use std::f32::consts::{PI, TAU};
@@ -78,42 +77,6 @@ fn rotations_compose_and_keep_lengths() {
     let length = |c: &Coefficients| c.iter().map(|c| c.length_squared()).sum::<f32>();
     assert!(both.iter().zip(&at_once).all(|(x, y)| x.distance(*y) < 1e-5));
     assert!((length(&both) / length(&coefficients) - 1.0).abs() < 1e-5);
-}
-
-#[test]
-fn an_environment_turned_by_its_picture_is_the_turned_coefficients() {
-    let mut stream = Stream::new(8, 2);
-    let pixels = (0..64 * 32).map(|_| stream.sphere().abs()).collect();
-    let environment = Environment { width: 64, height: 32, pixels };
-    let still = project(&environment);
-    // Half a turn of the picture is a shift of its columns.
-    let shifted = |x: u32, y: u32| environment.at((x + 32) % 64, y);
-    let pixels = (0..64 * 32).map(|i| shifted(i % 64, i / 64)).collect();
-    let half = project(&Environment { pixels, ..environment.clone() });
-    let turn = |deg: f32| {
-        Mat3::from_cols_array_2d(
-            &[Vec3::X, Vec3::Y, Vec3::Z]
-                .map(|axis| crate::environment::world_from_environment(axis, deg).to_array()),
-        )
-    };
-    let turned = Rotation::new(turn(180.0)).apply(&still);
-    assert!(turned.iter().zip(&half).all(|(a, b)| a.distance(*b) < 1e-4));
-    let quarter = Rotation::new(turn(90.0)).apply(&still);
-    for _ in 0..20 {
-        let direction = stream.sphere();
-        let expected = value(&still, environment_from_world(direction, 90.0));
-        assert!(value(&quarter, direction).distance(expected) < 1e-4);
-    }
-}
-
-#[test]
-fn even_pictures_of_any_size_have_one_coefficient() {
-    for (width, height) in [(2, 1), (9, 5), (128, 64)] {
-        let pixels = vec![Vec3::ONE; (width * height) as usize];
-        let found = project(&Environment { width, height, pixels });
-        assert!((found[0].x - (2.0 * TAU).sqrt()).abs() < 1e-4, "{width}: {}", found[0]);
-        assert!(found[1..].iter().all(|c| c.length() < 2e-3), "{width}");
-    }
 }
 
 #[test]

@@ -31,8 +31,8 @@ pub const MAX_COMPONENTS: usize = 64;
 /// Sizes and scales.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct GlossLayout {
-    /// Whether matrices hold light that bounced, besides what comes from the environment without a bounce.
-    pub has_bounces: bool,
+    /// Whether matrices hold light that comes from the environment without a bounce, besides what bounced.
+    pub has_direct: bool,
     /// Matrices of a point: 1 for all channels, or 3, for red, green and blue.
     pub channels: u32,
     /// Components of each cluster.

@@ -8,6 +8,7 @@
 //! irradiance by function j where a ray ends. All points have the same directions, spherical Fibonacci points: neighbours err
 //! alike, so that differences of their matrices are light and not noise.
 
+use super::GlossSettings;
 use super::sky_irradiance::SkyIrradiance;
 use crate::geometry::{Ray, Surfaces};
 use crate::random::mix;
@@ -28,6 +29,8 @@ pub(super) struct Gather<'a, S: ?Sized> {
     surfaces: &'a S,
     points: &'a Points,
     irradiance: SkyIrradiance,
+    /// Whether matrices hold light that did not bounce.
+    has_direct: bool,
     /// Directions over the sphere, with the functions there.
     directions: Vec<(Vec3, [f32; COUNT])>,
 }
@@ -50,9 +53,14 @@ fn mirrored(direction: Vec3, normal: Vec3) -> Vec3 {
 
 impl<'a, S: Surfaces + ?Sized> Gather<'a, S> {
     /// Prepares the directions.
-    pub fn new(surfaces: &'a S, points: &'a Points, irradiance: SkyIrradiance, directions: u32) -> Self {
-        let directions = fibonacci_sphere(directions).map(|way| (way, evaluate(way))).collect();
-        Self { surfaces, points, irradiance, directions }
+    pub fn new(
+        surfaces: &'a S,
+        points: &'a Points,
+        irradiance: SkyIrradiance,
+        settings: &GlossSettings,
+    ) -> Self {
+        let directions = fibonacci_sphere(settings.directions).map(|way| (way, evaluate(way))).collect();
+        Self { surfaces, points, irradiance, has_direct: settings.has_direct, directions }
     }
 
     /// Returns the matrix of a point, and the number of rays.
@@ -94,8 +102,10 @@ impl<'a, S: Surfaces + ?Sized> Gather<'a, S> {
                 }
             }
         }
-        for channel in out[..3 * COUNT * COUNT].chunks_exact_mut(COUNT * COUNT) {
-            channel.iter_mut().zip(open.as_flattened()).for_each(|(entry, open)| *entry += open);
+        if self.has_direct {
+            for channel in out[..3 * COUNT * COUNT].chunks_exact_mut(COUNT * COUNT) {
+                channel.iter_mut().zip(open.as_flattened()).for_each(|(entry, open)| *entry += open);
+            }
         }
         out[3 * COUNT * COUNT..].copy_from_slice(&visibility);
         (out, rays)

@@ -49,7 +49,7 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
         return Ok(Default::default());
     }
     let irradiance = SkyIrradiance::new(file);
-    let gather = Gather::new(surfaces, points, irradiance, settings.directions);
+    let gather = Gather::new(surfaces, points, irradiance, settings);
     let found = adaptive::matrices(&gather, file, &glossy, settings, watch)?;
     let mut report = GlossReport {
         points: glossy.points.len() as u64,
@@ -57,7 +57,7 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
         rays: found.rays,
         compression_error: 0.0,
     };
-    let (gloss, error) = principal_components::compressed(&glossy.points, &found, settings.components);
+    let (gloss, error) = principal_components::compressed(&glossy.points, &found, settings);
     report.compression_error = error;
     Ok((gloss, report))
 }

@@ -4,6 +4,7 @@
 //! Clusters are those of k-means over the matrix vectors, seeded evenly along the points' order, which is a space-filling
 //! curve a level. Components are the leading eigenvectors of a cluster's covariance, by subspace iteration.
 
+use super::GlossSettings;
 use super::adaptive::Matrices;
 use super::matrix::DIMENSIONS;
 use rayon::prelude::*;
@@ -176,7 +177,8 @@ fn compress(members: &[&Vector], count: usize) -> Compressed {
 
 /// Compresses matrices of some of the `points`; returns the error beside: the root mean square of what is lost relative to
 /// that of the matrices.
-pub(super) fn compressed(points: &[u32], found: &Matrices, components: u32) -> (Gloss, f64) {
+pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss, f64) {
+    let components = settings.components;
     let all: Vec<&Vector> = found.matrices.iter().map(|matrix| &**matrix).collect();
     if all.is_empty() {
         return Default::default();
@@ -201,7 +203,7 @@ pub(super) fn compressed(points: &[u32], found: &Matrices, components: u32) -> (
         }
     }
     let layout = GlossLayout {
-        has_bounces: true,
+        has_direct: settings.has_direct,
         channels: 3,
         components,
         vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),

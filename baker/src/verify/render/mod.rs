@@ -15,6 +15,7 @@ use crate::geometry::mesh::geometry::WITH_LIGHTMAPS;
 use crate::geometry::with_lights::WithLights;
 use crate::geometry::{Hit, HitEmitter, Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
+use crate::light::bsdf::Bsdf;
 use crate::light::direct;
 use crate::random::Stream;
 use crate::sampling::open_share;
@@ -270,8 +271,9 @@ impl Relit {
     ) -> Option<Vec3> {
         let reflections = self.reflections.as_ref().filter(|_| only == Only::All && hit.gloss.is_metal())?;
         let around = reflections.of_metal(&self.lighting, &self.basis, hit, ray.direction)?;
-        let lamps = direct::toward_hit(surfaces, &self.lighting.lamps, hit, stream);
-        Some(around + hit.albedo * FRAC_1_PI * lamps)
+        let bsdf = Bsdf::new(hit, -ray.direction, true);
+        let weigh = |irradiance, to_light| irradiance * bsdf.reflectance(to_light);
+        Some(around + direct::toward_hit_with(surfaces, &self.lighting.lamps, hit, stream, weigh))
     }
 }
 
