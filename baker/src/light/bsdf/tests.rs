@@ -36,7 +36,7 @@ fn reflected(bsdf: &Bsdf, seed: u64, samples: u64) -> Vec3 {
 fn a_conductor_reflects_no_more_than_its_colour_and_a_white_one_all() {
     let colour = Vec3::new(1.0, 0.6, 0.1);
     for roughness in ROUGHNESSES {
-        for cosine in [0.02, 0.1, 0.4, 0.8, 1.0] {
+        for cosine in [0.05, 0.1, 0.4, 0.8, 1.0] {
             let bsdf = Bsdf::new(&hit(Vec3::Z, colour, roughness), at_cosine(Vec3::Z, cosine), true);
             let share = reflected(&bsdf, 1, 20_000);
             assert!((share.x - 1.0).abs() < 0.02, "{roughness} {cosine}: {share}");
