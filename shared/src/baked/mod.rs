@@ -11,6 +11,8 @@ use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+#[cfg(feature = "radiosity")]
+use crate::rbn::gloss;
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
 #[cfg(feature = "radiosity")]
@@ -70,12 +72,12 @@ pub struct BakedScene {
     pub later: LinkMatrix<LaterLink>,
 }
 
-#[cfg(feature = "radiosity")]
-use crate::rbn::LIGHTMAP_SECTIONS;
 use crate::rbn::{
     COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, RECONSTRUCTION_SECTIONS, SECTIONS,
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
+#[cfg(feature = "radiosity")]
+use crate::rbn::{GLOSS_SECTION, LIGHTMAP_SECTIONS};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -233,6 +235,10 @@ impl BakedScene {
         }
         let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let gloss = gloss::encode(self.meta.materials.iter().map(|material| &material.gloss))?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(gloss.iter().map(|bytes| (GLOSS_SECTION, bytes.as_slice())));
         let openness = packed_bytes(&self.openness);
         let reflectance = packed_bytes(&self.reflectance);
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
@@ -362,12 +368,17 @@ impl BakedScene {
         Ok(LIGHTMAP_SECTIONS.into_iter().zip(packed).collect())
     }
 
-    /// Reads the sections of fixed solutions, of lightmaps, of groups and of reflectances.
+    /// Reads the sections of gloss, of fixed solutions, of lightmaps, of groups and of reflectances.
     fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
         bytes: &dyn Fn([u8; 4]) -> Result<&'f [u8], RbnError>,
     ) -> Result<(), RbnError> {
+        if has(GLOSS_SECTION) {
+            let materials = self.meta.materials.iter_mut();
+            let mut all: Vec<_> = materials.map(|material| &mut material.gloss).collect();
+            gloss::decode(bytes(GLOSS_SECTION)?, &mut all)?;
+        }
         if GROUP_SECTIONS.into_iter().any(has) {
             self.light_groups = LightGroups {
                 groups: light_groups::decode(bytes(*b"LGRP")?)?,

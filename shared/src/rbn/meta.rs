@@ -4,6 +4,8 @@
 
 use super::RbnError;
 use super::extras::Extras;
+#[cfg(feature = "radiosity")]
+use super::gloss::GlossExtras;
 pub use super::limits::MAX_BYTES;
 use super::shown::Shown;
 pub use super::texture::DetailTexture;
@@ -116,6 +118,9 @@ pub struct Material {
     pub normal_scale: f32,
     /// Optional properties; not in section `META`.
     pub extras: Extras,
+    /// How the surface shines besides; not in section `META`.
+    #[cfg(feature = "radiosity")]
+    pub gloss: GlossExtras,
 }
 
 impl Default for Material {
@@ -136,6 +141,8 @@ impl Default for Material {
             normal_texture: None,
             normal_scale: 1.0,
             extras: Extras::default(),
+            #[cfg(feature = "radiosity")]
+            gloss: GlossExtras::default(),
         }
     }
 }
