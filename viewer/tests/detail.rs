@@ -265,7 +265,6 @@ fn a_rough_wall_shines_under_a_clear_layer_and_by_its_index_of_refraction() {
         let plain = GlossExtras::default();
         let coat = GlossExtras { clearcoat: 1.0, clearcoat_roughness: 0.3, ..plain };
         let rough = with(1.0, 1.0, plain)[0];
-        println!("{rough} {:?} {:?}", with(1.0, 1.0, coat), with(0.3, 1.0, plain));
         assert!(with(1.0, 1.0, coat)[0] > rough + 10, "a clear layer");
         assert!(with(1.0, 0.0, coat)[0] > with(1.0, 0.0, plain)[0] + 10, "a clear layer over a matt wall");
         let half = GlossExtras { clearcoat: 0.5, ..coat };
@@ -275,8 +274,9 @@ fn a_rough_wall_shines_under_a_clear_layer_and_by_its_index_of_refraction() {
         assert!(with(1.0, 1.0, rougher)[0] < all - 10, "a rough layer");
         let by_ior = [1.0, 1.5, 2.4].map(|ior| with(0.3, 1.0, GlossExtras { ior, ..plain })[0]);
         assert!(by_ior[0] + 10 < by_ior[1] && by_ior[1] + 10 < by_ior[2], "{by_ior:?}");
+        let white = with(0.3, 1.0, plain);
         let red = with(0.3, 1.0, GlossExtras { specular_color: [1.0, 0.0, 0.0], ..plain });
-        assert!(red[0] > red[1] + 10 && red[1] == red[2], "{red:?}");
+        assert!(red[0] > white[0] - 5 && red[1] + 10 < white[1], "a coloured highlight: {red:?}, {white:?}");
     }
     gpu.check().unwrap();
 }
@@ -381,6 +381,7 @@ fn a_white_surface_under_a_clear_layer_or_of_any_index_of_refraction_makes_no_li
         ("1.0", "roughness", "1.0", "0.17"),
         ("0.0", "0.0", "1.0", "0.0"),
         ("0.0", "0.0", "1.0", "0.17"),
+        ("0.0", "0.0", "1.0", "0.5"),
         ("0.0", "0.0", "1.0", "1.0"),
     ] {
         let look = format!(
@@ -388,8 +389,9 @@ fn a_white_surface_under_a_clear_layer_or_of_any_index_of_refraction_makes_no_li
         );
         let sums = furnace(&gpu, BRDF_COATED, &look);
         let (least, most) = (sums.iter()).fold((f32::MAX, 0.0f32), |(a, b), x| (a.min(*x), b.max(*x)));
-        println!("{look}: {least} to {most}");
-        assert!(least > 0.94 && most < 1.05, "{look}: {least} to {most}");
+        // Fits of a mirror under white add up.
+        let bound = if head_on == "1.0" { 1.06 } else { 1.045 };
+        assert!(least > 0.95 && most < bound, "{look}: {least} to {most}");
     }
     gpu.check().unwrap();
 }

@@ -1,5 +1,6 @@
 //! Materials of a .glb file: as they are in the scene, or unlit.
 
+use rebounce_shared::rbn::gloss::DEFAULT_IOR;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material, Texture, Wrap};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -90,8 +91,20 @@ pub(super) fn original(
             "diffuseTransmissionColorFactor": m.extras.scattered_color,
         });
     }
+    let gloss = &m.gloss;
     if m.specular != 1.0 {
         extensions["KHR_materials_specular"] = json!({ "specularFactor": m.specular });
+    }
+    if gloss.specular_color != [1.0; 3] {
+        extensions["KHR_materials_specular"]["specularColorFactor"] = json!(gloss.specular_color);
+    }
+    if gloss.ior != DEFAULT_IOR {
+        extensions["KHR_materials_ior"] = json!({ "ior": gloss.ior });
+    }
+    if gloss.clearcoat > 0.0 {
+        extensions["KHR_materials_clearcoat"] = json!({
+            "clearcoatFactor": gloss.clearcoat, "clearcoatRoughnessFactor": gloss.clearcoat_roughness,
+        });
     }
     let emission: [f32; 3] = std::array::from_fn(|i| m.emission[i] * strength[i]);
     let largest = emission.into_iter().fold(0.0, f32::max);
@@ -112,9 +125,11 @@ pub(super) fn original(
 }
 
 /// The extensions of materials that may be written.
-const EXTENSIONS: [&str; 4] = [
+const EXTENSIONS: [&str; 6] = [
+    "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
 ];
@@ -185,5 +200,30 @@ mod tests {
         assert_eq!(out["emissiveFactor"], json!([1.0, 0.5, 0.25]));
         assert_eq!(out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 4.0);
         assert_eq!(used.into_iter().collect::<Vec<_>>(), ["KHR_materials_emissive_strength"]);
+    }
+
+    #[test]
+    fn gloss_is_in_the_extensions_that_it_came_from() {
+        use rebounce_shared::rbn::gloss::GlossExtras;
+        let with = |specular: f32, gloss: GlossExtras| {
+            let mut used = BTreeSet::new();
+            let material = Material { specular, gloss, ..Material::default() };
+            let out = original(&material, [0.0; 3], |_| 0, &mut used);
+            (out["extensions"].clone(), used.into_iter().collect::<Vec<_>>())
+        };
+        assert_eq!(with(1.0, GlossExtras::default()), (Value::Null, vec![]));
+        let gloss = GlossExtras {
+            ior: 1.25,
+            specular_color: [0.5, 1.0, 2.0],
+            clearcoat: 0.75,
+            clearcoat_roughness: 0.25,
+        };
+        let expected = json!({
+            "KHR_materials_specular": { "specularColorFactor": [0.5, 1.0, 2.0] },
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25 },
+        });
+        let names = ["KHR_materials_clearcoat", "KHR_materials_ior", "KHR_materials_specular"];
+        assert_eq!(with(1.0, gloss), (expected, names.to_vec()));
     }
 }

@@ -1,3 +1,4 @@
+mod gloss;
 mod lenient;
 mod meshes;
 mod node_animation;
