@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[cfg(feature = "radiosity")]
-mod gloss;
-#[cfg(feature = "radiosity")]
 mod lightmap;
 mod openness;
 mod rules;
 mod shown;
+#[cfg(feature = "radiosity")]
+mod specular;
 mod versions;

@@ -244,17 +244,17 @@ fn tone_curves_rise_and_stay_in_range() {
 #[cfg(feature = "radiosity")]
 #[test]
 fn a_rough_wall_shines_under_a_clear_layer_and_by_its_index_of_refraction() {
-    use rebounce_shared::rbn::gloss::GlossExtras;
+    use rebounce_shared::rbn::specular::SpecularExtras;
     let Some(gpu) = common::gpu() else { return };
     let position = [-0.37, -0.47, 0.7];
     let lamps =
         [common::lamp(position), Light::Sphere { position, radius: 0.05, intensity: 80.0, color: [1.0; 3] }];
     for lamp in lamps {
-        let with = |roughness: f32, specular: f32, gloss: GlossExtras| {
+        let with = |roughness: f32, specular: f32, extras: SpecularExtras| {
             let mut scene = common::room(&[3]);
             scene.meta.lights = vec![lamp.clone()];
             let wall = &mut scene.meta.materials[WALL];
-            (wall.roughness, wall.specular, wall.gloss) = (roughness, specular, gloss);
+            (wall.roughness, wall.specular, wall.specular_extras) = (roughness, specular, extras);
             wall.base_color = [0.5, 0.5, 0.5, 1.0];
             let mut renderer = renderer(&gpu, &scene, Mode::Direct);
             renderer.set_exposure(-2.0).unwrap();
@@ -262,20 +262,20 @@ fn a_rough_wall_shines_under_a_clear_layer_and_by_its_index_of_refraction() {
             let at = 4 * ((SIZE / 2) * SIZE + SIZE / 2) as usize;
             pixels[at..at + 3].iter().map(|c| i32::from(*c)).collect::<Vec<_>>()
         };
-        let plain = GlossExtras::default();
-        let coat = GlossExtras { clearcoat: 1.0, clearcoat_roughness: 0.3, ..plain };
+        let plain = SpecularExtras::default();
+        let coat = SpecularExtras { clearcoat: 1.0, clearcoat_roughness: 0.3, ..plain };
         let rough = with(1.0, 1.0, plain)[0];
         assert!(with(1.0, 1.0, coat)[0] > rough + 10, "a clear layer");
         assert!(with(1.0, 0.0, coat)[0] > with(1.0, 0.0, plain)[0] + 10, "a clear layer over a matt wall");
-        let half = GlossExtras { clearcoat: 0.5, ..coat };
+        let half = SpecularExtras { clearcoat: 0.5, ..coat };
         let (all, half) = (with(1.0, 1.0, coat)[0], with(1.0, 1.0, half)[0]);
         assert!(rough < half && half < all, "half a layer: {rough} {half} {all}");
-        let rougher = GlossExtras { clearcoat_roughness: 1.0, ..coat };
+        let rougher = SpecularExtras { clearcoat_roughness: 1.0, ..coat };
         assert!(with(1.0, 1.0, rougher)[0] < all - 10, "a rough layer");
-        let by_ior = [1.0, 1.5, 2.4].map(|ior| with(0.3, 1.0, GlossExtras { ior, ..plain })[0]);
+        let by_ior = [1.0, 1.5, 2.4].map(|ior| with(0.3, 1.0, SpecularExtras { ior, ..plain })[0]);
         assert!(by_ior[0] + 10 < by_ior[1] && by_ior[1] + 10 < by_ior[2], "{by_ior:?}");
         let white = with(0.3, 1.0, plain);
-        let red = with(0.3, 1.0, GlossExtras { specular_color: [1.0, 0.0, 0.0], ..plain });
+        let red = with(0.3, 1.0, SpecularExtras { specular_color: [1.0, 0.0, 0.0], ..plain });
         assert!(red[0] > white[0] - 5 && red[1] + 10 < white[1], "a coloured highlight: {red:?}, {white:?}");
     }
     gpu.check().unwrap();
@@ -346,7 +346,7 @@ fn furnace(gpu: &Gpu, brdf: &str, look: &str) -> Vec<f32> {
         pass.dispatch_workgroups(1, 1, 1);
     }
     gpu.queue.submit([encoder.finish()]);
-    let readback = rebounce_viewer::readback::Readback::buffer(&gpu, &sums);
+    let readback = rebounce_viewer::readback::Readback::buffer(gpu, &sums);
     bytemuck::pod_collect_to_vec(&pollster::block_on(readback.wait()).unwrap())
 }
 

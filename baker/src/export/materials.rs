@@ -1,7 +1,7 @@
 //! Materials of a .glb file: as they are in the scene, or unlit.
 
-use rebounce_shared::rbn::gloss::DEFAULT_IOR;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material, Texture, Wrap};
+use rebounce_shared::rbn::specular::DEFAULT_IOR;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -91,19 +91,19 @@ pub(super) fn original(
             "diffuseTransmissionColorFactor": m.extras.scattered_color,
         });
     }
-    let gloss = &m.gloss;
+    let specular = &m.specular_extras;
     if m.specular != 1.0 {
         extensions["KHR_materials_specular"] = json!({ "specularFactor": m.specular });
     }
-    if gloss.specular_color != [1.0; 3] {
-        extensions["KHR_materials_specular"]["specularColorFactor"] = json!(gloss.specular_color);
+    if specular.specular_color != [1.0; 3] {
+        extensions["KHR_materials_specular"]["specularColorFactor"] = json!(specular.specular_color);
     }
-    if gloss.ior != DEFAULT_IOR {
-        extensions["KHR_materials_ior"] = json!({ "ior": gloss.ior });
+    if specular.ior != DEFAULT_IOR {
+        extensions["KHR_materials_ior"] = json!({ "ior": specular.ior });
     }
-    if gloss.clearcoat > 0.0 {
+    if specular.clearcoat > 0.0 {
         extensions["KHR_materials_clearcoat"] = json!({
-            "clearcoatFactor": gloss.clearcoat, "clearcoatRoughnessFactor": gloss.clearcoat_roughness,
+            "clearcoatFactor": specular.clearcoat, "clearcoatRoughnessFactor": specular.clearcoat_roughness,
         });
     }
     let emission: [f32; 3] = std::array::from_fn(|i| m.emission[i] * strength[i]);
@@ -203,16 +203,16 @@ mod tests {
     }
 
     #[test]
-    fn gloss_is_in_the_extensions_that_it_came_from() {
-        use rebounce_shared::rbn::gloss::GlossExtras;
-        let with = |specular: f32, gloss: GlossExtras| {
+    fn specular_extras_are_in_the_extensions_that_they_came_from() {
+        use rebounce_shared::rbn::specular::SpecularExtras;
+        let with = |specular: f32, specular_extras: SpecularExtras| {
             let mut used = BTreeSet::new();
-            let material = Material { specular, gloss, ..Material::default() };
+            let material = Material { specular, specular_extras, ..Material::default() };
             let out = original(&material, [0.0; 3], |_| 0, &mut used);
             (out["extensions"].clone(), used.into_iter().collect::<Vec<_>>())
         };
-        assert_eq!(with(1.0, GlossExtras::default()), (Value::Null, vec![]));
-        let gloss = GlossExtras {
+        assert_eq!(with(1.0, SpecularExtras::default()), (Value::Null, vec![]));
+        let extras = SpecularExtras {
             ior: 1.25,
             specular_color: [0.5, 1.0, 2.0],
             clearcoat: 0.75,
@@ -224,6 +224,6 @@ mod tests {
             "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25 },
         });
         let names = ["KHR_materials_clearcoat", "KHR_materials_ior", "KHR_materials_specular"];
-        assert_eq!(with(1.0, gloss), (expected, names.to_vec()));
+        assert_eq!(with(1.0, extras), (expected, names.to_vec()));
     }
 }

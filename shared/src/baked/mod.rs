@@ -11,14 +11,14 @@ use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
-#[cfg(feature = "radiosity")]
-use crate::rbn::gloss;
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
 #[cfg(feature = "radiosity")]
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
+#[cfg(feature = "radiosity")]
+use crate::rbn::specular;
 use crate::rbn::{RbnError, container, extras, shown};
 use glam::Vec3;
 use std::ops::Range;
@@ -77,7 +77,7 @@ use crate::rbn::{
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
 #[cfg(feature = "radiosity")]
-use crate::rbn::{GLOSS_SECTION, LIGHTMAP_SECTIONS};
+use crate::rbn::{LIGHTMAP_SECTIONS, SPECULAR_SECTION};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -236,9 +236,10 @@ impl BakedScene {
         let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
         #[cfg(feature = "radiosity")]
-        let gloss = gloss::encode(self.meta.materials.iter().map(|material| &material.gloss))?;
+        let specular =
+            specular::encode(self.meta.materials.iter().map(|material| &material.specular_extras))?;
         #[cfg(feature = "radiosity")]
-        sections.extend(gloss.iter().map(|bytes| (GLOSS_SECTION, bytes.as_slice())));
+        sections.extend(specular.iter().map(|bytes| (SPECULAR_SECTION, bytes.as_slice())));
         let openness = packed_bytes(&self.openness);
         let reflectance = packed_bytes(&self.reflectance);
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
@@ -368,16 +369,16 @@ impl BakedScene {
         Ok(LIGHTMAP_SECTIONS.into_iter().zip(packed).collect())
     }
 
-    /// Reads the sections of gloss, of fixed solutions, of lightmaps, of groups and of reflectances.
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of groups and of reflectances.
     fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
         bytes: &dyn Fn([u8; 4]) -> Result<&'f [u8], RbnError>,
     ) -> Result<(), RbnError> {
-        if has(GLOSS_SECTION) {
+        if has(SPECULAR_SECTION) {
             let materials = self.meta.materials.iter_mut();
-            let mut all: Vec<_> = materials.map(|material| &mut material.gloss).collect();
-            gloss::decode(bytes(GLOSS_SECTION)?, &mut all)?;
+            let mut all: Vec<_> = materials.map(|material| &mut material.specular_extras).collect();
+            specular::decode(bytes(SPECULAR_SECTION)?, &mut all)?;
         }
         if GROUP_SECTIONS.into_iter().any(has) {
             self.light_groups = LightGroups {

@@ -4,10 +4,10 @@
 
 use super::RbnError;
 use super::extras::Extras;
-#[cfg(feature = "radiosity")]
-use super::gloss::GlossExtras;
 pub use super::limits::MAX_BYTES;
 use super::shown::Shown;
+#[cfg(feature = "radiosity")]
+use super::specular::SpecularExtras;
 pub use super::texture::DetailTexture;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
@@ -120,7 +120,7 @@ pub struct Material {
     pub extras: Extras,
     /// How the surface shines besides; not in section `META`.
     #[cfg(feature = "radiosity")]
-    pub gloss: GlossExtras,
+    pub specular_extras: SpecularExtras,
 }
 
 impl Default for Material {
@@ -142,7 +142,7 @@ impl Default for Material {
             normal_scale: 1.0,
             extras: Extras::default(),
             #[cfg(feature = "radiosity")]
-            gloss: GlossExtras::default(),
+            specular_extras: SpecularExtras::default(),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
-//! * [`extras`] and `gloss` – optional material properties; [`shown`] – names, and the ground under an object;
+//! * [`extras`] and `specular` – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
@@ -17,8 +17,6 @@ pub mod bulk;
 pub mod codec;
 pub mod container;
 pub mod extras;
-#[cfg(feature = "radiosity")]
-pub mod gloss;
 pub mod groups;
 pub mod light_groups;
 pub mod lightmap;
@@ -28,6 +26,8 @@ pub mod meta;
 pub mod node_tracks;
 pub mod shown;
 pub mod sources;
+#[cfg(feature = "radiosity")]
+pub mod specular;
 mod texture;
 
 pub use limits::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
@@ -42,7 +42,7 @@ pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
 /// Name of the optional section of how materials shine, after the sections above.
 #[cfg(feature = "radiosity")]
-pub const GLOSS_SECTION: [u8; 4] = *b"MATG";
+pub const SPECULAR_SECTION: [u8; 4] = *b"MATG";
 /// Name of the optional section of the points' openness, after the sections above.
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 /// Names of the optional sections of [sources] and of their links, after the sections above.

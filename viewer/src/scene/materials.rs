@@ -158,11 +158,11 @@ impl Materials {
             #[cfg(not(feature = "radiosity"))]
             pad: 0.0,
             #[cfg(feature = "radiosity")]
-            clearcoat: m.gloss.clearcoat,
+            clearcoat: m.specular_extras.clearcoat,
             #[cfg(feature = "radiosity")]
-            head_on: m.gloss.head_on(m.specular).to_array(),
+            head_on: m.specular_extras.head_on(m.specular).to_array(),
             #[cfg(feature = "radiosity")]
-            clearcoat_roughness: m.gloss.clearcoat_roughness,
+            clearcoat_roughness: m.specular_extras.clearcoat_roughness,
         };
         let own_looks: Vec<MaterialRecord> = materials.iter().map(look).collect();
         let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&own_looks));

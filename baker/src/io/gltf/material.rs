@@ -1,9 +1,9 @@
 //! Materials and textures. Only those used by triangles are kept and decoded.
 
 use super::document::Extensible;
-use super::gloss::Shine;
 use super::picture::{check_sizes, image_index, picture, sampled};
 use super::source::Source;
+use super::specular::Shine;
 use super::texture_info::{TextureInfo, UvSource};
 use super::transmission::{self, DiffuseTransmission, TransmissionFactors};
 use crate::scene::needed;
@@ -14,8 +14,8 @@ use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::extras::Extras;
-use rebounce_shared::rbn::gloss::GlossExtras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
+use rebounce_shared::rbn::specular::SpecularExtras;
 use std::collections::{HashMap, HashSet};
 
 /// Surface parameters, from metallic-roughness or specular-glossiness.
@@ -132,7 +132,7 @@ impl<'a> Materials<'a> {
             return Err(source.malformed(format!("material {index} ({name:?}) {problem}")));
         }
         let read = |problem: String| source.malformed(format!("material {index} ({name:?}) {problem}"));
-        let Shine { specular, gloss, left_out } = Shine::new(m).map_err(read)?;
+        let Shine { specular, extras: specular_extras, left_out } = Shine::new(m).map_err(read)?;
         let normal = m.normal_texture.as_ref().map(TextureInfo::of_normals).transpose().map_err(read)?;
         let emissive = m.emissive_texture.as_ref().map(TextureInfo::new);
         let [base, shiny] = [pbr.base_color_texture, pbr.metallic_roughness_texture];
@@ -178,7 +178,7 @@ impl<'a> Materials<'a> {
             normal_texture,
             normal_scale,
             extras,
-            gloss: if is_unlit { GlossExtras::default() } else { gloss },
+            specular_extras: if is_unlit { SpecularExtras::default() } else { specular_extras },
         };
         Ok((material, uv))
     }

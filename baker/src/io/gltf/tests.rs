@@ -1,8 +1,8 @@
-mod gloss;
 mod lenient;
 mod meshes;
 mod node_animation;
 mod rest;
+mod specular;
 mod told;
 
 use super::*;

@@ -4,7 +4,7 @@ use super::document::Extensible;
 use gltf::json::Material;
 use gltf::json::texture::Info;
 use rebounce_shared::rbn;
-use rebounce_shared::rbn::gloss::{DEFAULT_IOR, GlossExtras};
+use rebounce_shared::rbn::specular::{DEFAULT_IOR, SpecularExtras};
 use serde::Deserialize;
 
 /// Names of extensions unknown to the `gltf` crate.
@@ -40,7 +40,7 @@ pub(super) struct Shine {
     /// `specularFactor`, 0 to 1.
     pub specular: f32,
     /// The rest.
-    pub gloss: GlossExtras,
+    pub extras: SpecularExtras,
     /// Textures that are left out, by what they hold.
     pub left_out: Vec<&'static str>,
 }
@@ -68,7 +68,7 @@ impl Shine {
             (coat.clearcoat_roughness_texture.is_some() && clearcoat > 0.0, "clearcoat roughness"),
             (coat.clearcoat_normal_texture.is_some() && clearcoat > 0.0, "clearcoat normal"),
         ];
-        let gloss = GlossExtras {
+        let extras = SpecularExtras {
             // 0 stands for a mirror, and no other number is under 1.
             ior: if ior == 0.0 { 0.0 } else { ior.max(1.0) },
             specular_color: color.map(|c| c.max(0.0)),
@@ -81,6 +81,6 @@ impl Shine {
             },
         };
         let left_out = textures.into_iter().filter(|(is_there, _)| *is_there).map(|(_, what)| what);
-        Ok(Self { specular: strength.clamp(0.0, 1.0), gloss, left_out: left_out.collect() })
+        Ok(Self { specular: strength.clamp(0.0, 1.0), extras, left_out: left_out.collect() })
     }
 }

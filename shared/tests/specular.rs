@@ -2,16 +2,16 @@
 
 use crate::rules::scene;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn::gloss::GlossExtras;
 use rebounce_shared::rbn::meta::Material;
-use rebounce_shared::rbn::{GLOSS_SECTION, container};
+use rebounce_shared::rbn::specular::SpecularExtras;
+use rebounce_shared::rbn::{SPECULAR_SECTION, container};
 
 /// The scene with three materials, of which the second and third shine.
 fn glossy() -> BakedScene {
     let mut scene = scene();
     scene.meta.materials = vec![Material::default(); 3];
-    scene.meta.materials[1].gloss = GlossExtras { ior: 0.0, ..GlossExtras::default() };
-    scene.meta.materials[2].gloss = GlossExtras {
+    scene.meta.materials[1].specular_extras = SpecularExtras { ior: 0.0, ..SpecularExtras::default() };
+    scene.meta.materials[2].specular_extras = SpecularExtras {
         ior: 1.33,
         specular_color: [0.5, 2.0, 0.0],
         clearcoat: 0.75,
@@ -22,7 +22,7 @@ fn glossy() -> BakedScene {
 }
 
 #[test]
-fn gloss_has_a_section_of_its_own_that_other_files_are_without() {
+fn specular_extras_have_a_section_of_their_own_that_other_files_are_without() {
     let scene = glossy();
     let bytes = scene.to_bytes().unwrap();
     assert_eq!(BakedScene::from_bytes(&bytes).unwrap(), scene);
@@ -31,13 +31,13 @@ fn gloss_has_a_section_of_its_own_that_other_files_are_without() {
     let mut plain = scene.clone();
     plain.meta.materials = vec![Material::default(); 3];
     let without = plain.to_bytes().unwrap();
-    let named = |bytes: &[u8]| container::read(bytes).unwrap().iter().any(|s| s.name == GLOSS_SECTION);
+    let named = |bytes: &[u8]| container::read(bytes).unwrap().iter().any(|s| s.name == SPECULAR_SECTION);
     assert!(named(&bytes) && !named(&without));
     let sections = container::read(&bytes).unwrap();
     let with = |change: &dyn Fn(&[u8]) -> Option<Vec<u8>>| {
         let parts = sections.iter().filter_map(|s| {
             let own = &bytes[s.offset..s.offset + s.len];
-            Some((s.name, if s.name == GLOSS_SECTION { change(own)? } else { own.to_vec() }))
+            Some((s.name, if s.name == SPECULAR_SECTION { change(own)? } else { own.to_vec() }))
         });
         let parts: Vec<_> = parts.collect();
         let parts: Vec<_> = parts.iter().map(|(name, own)| (*name, own.as_slice())).collect();
@@ -58,8 +58,8 @@ fn gloss_has_a_section_of_its_own_that_other_files_are_without() {
 }
 
 #[test]
-fn gloss_out_of_range_is_refused() {
-    type Break = fn(&mut GlossExtras);
+fn specular_extras_out_of_range_are_refused() {
+    type Break = fn(&mut SpecularExtras);
     let breaks: [Break; 12] = [
         |g| g.ior = 0.5,
         |g| g.ior = -1.5,
@@ -76,7 +76,7 @@ fn gloss_out_of_range_is_refused() {
     ];
     for (i, damage) in breaks.into_iter().enumerate() {
         let mut scene = glossy();
-        damage(&mut scene.meta.materials[1].gloss);
+        damage(&mut scene.meta.materials[1].specular_extras);
         let error = scene.to_bytes().expect_err("refused").to_string();
         assert!(error.contains("MATG") && error.contains("material 1"), "{i}: {error}");
     }

@@ -1,5 +1,5 @@
 //! How materials shine besides metalness, roughness and specular strength: section `MATG`, present only in files with a
-//! non-default [`GlossExtras`].
+//! non-default [`SpecularExtras`].
 
 use super::RbnError;
 use super::limits::{MAX_BYTES, all_sane, sane};
@@ -16,7 +16,7 @@ pub const DEFAULT_IOR: f32 = 1.5;
 
 /// Index of refraction, specular colour and clearcoat of a material, for pictures. In section `META` the encoding is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlossExtras {
+pub struct SpecularExtras {
     /// Index of refraction of what is not metal, at least 1; or 0 for what reflects all light at normal incidence.
     pub ior: f32,
     /// Factor of the reflectance of what is not metal at normal incidence, linear RGB, at least 0.
@@ -27,14 +27,14 @@ pub struct GlossExtras {
     pub clearcoat_roughness: f32,
 }
 
-impl Default for GlossExtras {
+impl Default for SpecularExtras {
     /// As a material without the section.
     fn default() -> Self {
         Self { ior: DEFAULT_IOR, specular_color: [1.0; 3], clearcoat: 0.0, clearcoat_roughness: 0.0 }
     }
 }
 
-impl GlossExtras {
+impl SpecularExtras {
     /// Returns the reflectance F₀ of what is not metal at normal incidence, linear RGB, 0 to 1, for a specular strength.
     pub fn head_on(&self, specular: f32) -> Vec3 {
         let amplitude = (self.ior - 1.0) / (self.ior + 1.0);
@@ -53,21 +53,21 @@ impl GlossExtras {
     }
 }
 
-impl Encode for GlossExtras {
+impl Encode for SpecularExtras {
     fn encode<E: Encoder>(&self, _: &mut E) -> Result<(), EncodeError> {
         Ok(())
     }
 }
 
-impl<C> Decode<C> for GlossExtras {
+impl<C> Decode<C> for SpecularExtras {
     fn decode<D: Decoder<Context = C>>(_: &mut D) -> Result<Self, DecodeError> {
         Ok(Self::default())
     }
 }
 
-bincode::impl_borrow_decode!(GlossExtras);
+bincode::impl_borrow_decode!(SpecularExtras);
 
-/// Index of a material and its properties, in the order of [`GlossExtras`].
+/// Index of a material and its properties, in the order of [`SpecularExtras`].
 type Record = (u32, f32, [f32; 3], f32, f32);
 
 /// Encodes the section; `None` if every material has the default.
@@ -75,9 +75,9 @@ type Record = (u32, f32, [f32; 3], f32, f32);
 /// # Errors
 /// [`RbnError::TooLarge`] past [`MAX_BYTES`].
 pub(crate) fn encode<'a>(
-    materials: impl Iterator<Item = &'a GlossExtras>,
+    materials: impl Iterator<Item = &'a SpecularExtras>,
 ) -> Result<Option<Vec<u8>>, RbnError> {
-    let some = (0u32..).zip(materials).filter(|(_, gloss)| **gloss != GlossExtras::default());
+    let some = (0u32..).zip(materials).filter(|(_, specular)| **specular != SpecularExtras::default());
     let records: Vec<Record> = some
         .map(|(number, g)| (number, g.ior, g.specular_color, g.clearcoat, g.clearcoat_roughness))
         .collect();
@@ -95,7 +95,7 @@ pub(crate) fn encode<'a>(
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut GlossExtras]) -> Result<(), RbnError> {
+pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut SpecularExtras]) -> Result<(), RbnError> {
     let bad = |problem: String| RbnError::invalid(SECTION, problem);
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     let (records, used): (Vec<Record>, usize) =
@@ -108,7 +108,7 @@ pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut GlossExtras]) -> Result
         let material = materials.get_mut(number as usize).filter(|_| number >= least);
         let material = material.ok_or_else(|| bad(format!("there is no material {number}, or not here")))?;
         least = number + 1;
-        **material = GlossExtras { ior, specular_color, clearcoat, clearcoat_roughness };
+        **material = SpecularExtras { ior, specular_color, clearcoat, clearcoat_roughness };
     }
     Ok(())
 }
@@ -117,8 +117,8 @@ pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut GlossExtras]) -> Result
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn check<'a>(materials: impl Iterator<Item = &'a GlossExtras>) -> Result<(), RbnError> {
-    match (0..).zip(materials).find(|(_, gloss)| !gloss.is_sound()) {
+pub(crate) fn check<'a>(materials: impl Iterator<Item = &'a SpecularExtras>) -> Result<(), RbnError> {
+    match (0..).zip(materials).find(|(_, specular)| !specular.is_sound()) {
         Some((number, _)) => {
             let problem: String = format!("material {number} has a number outside its range");
             Err(RbnError::invalid(SECTION, problem))
@@ -134,11 +134,11 @@ mod tests {
     #[test]
     fn reflectance_follows_from_the_index_of_refraction_and_is_at_most_one() {
         let head_on = |ior: f32, specular_color: [f32; 3], specular: f32| {
-            GlossExtras { ior, specular_color, ..GlossExtras::default() }.head_on(specular)
+            SpecularExtras { ior, specular_color, ..SpecularExtras::default() }.head_on(specular)
         };
         let near = |a: Vec3, b: [f32; 3]| assert!((a - Vec3::from(b)).abs().max_element() < 1e-6, "{a}");
-        near(GlossExtras::default().head_on(1.0), [0.04; 3]);
-        near(GlossExtras::default().head_on(0.5), [0.02; 3]);
+        near(SpecularExtras::default().head_on(1.0), [0.04; 3]);
+        near(SpecularExtras::default().head_on(0.5), [0.02; 3]);
         // No change of refraction, diamond, and the value that stands for a mirror.
         near(head_on(1.0, [1.0; 3], 1.0), [0.0; 3]);
         near(head_on(2.42, [1.0; 3], 1.0), [0.172_394_58; 3]);
