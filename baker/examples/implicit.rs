@@ -249,7 +249,7 @@ pub fn run(folder: Option<&Path>) -> Result<f64, Box<dyn Error>> {
     let exposure = |samples, seed| Exposure { size: [120, 80], samples, seed };
     let illumination = Illumination::of(&Implicit, lights, scene.origin, 1.0);
     let truth = |seed| {
-        let settings = Settings { only: Only::Indirect, bounces: None };
+        let settings = Settings { only: Only::Indirect, ..Settings::default() };
         path_trace(&Implicit, scene.origin, camera, &illumination, exposure(256, seed), settings, || ())
     };
     let picture = render(&baked, &Implicit, camera, lights, exposure(16, 3), Only::Indirect, || ());

@@ -100,7 +100,7 @@ fn a_point_light_over_a_plane() {
         let expected = 0.6 / PI * 7.0 * height / (height * height + distance * distance).powf(1.5);
         let found = upwards(&plane, &light, [distance, 0.0], Settings::default(), &mut stream);
         assert!((found / expected - 1.0).abs() < 1e-4, "{distance}: {found}, not {expected}");
-        let bounced = Settings { only: Only::Indirect, bounces: None };
+        let bounced = Settings { only: Only::Indirect, ..Settings::default() };
         assert_eq!(
             upwards(&plane, &light, [distance, 0.0], bounced, &mut stream),
             0.0,
@@ -123,7 +123,7 @@ fn two_parallel_squares_exchange_their_form_factor() {
     let on_upper = 3.0 / (1.0f32 + 1.2 * 1.2).sqrt();
     let mean = |bounces| {
         let n = 400_000;
-        let settings = Settings { only: Only::Indirect, bounces };
+        let settings = Settings { only: Only::Indirect, bounces, ..Settings::default() };
         let mut sum = 0.0f64;
         for i in 0..n {
             let mut stream = Stream::new(2, i);

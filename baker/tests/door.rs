@@ -75,7 +75,7 @@ fn an_open_leaf_lets_in_the_light_of_the_path_tracer_whichever_way_the_file_was_
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let illumination = Illumination::of_scene(&surfaces, &scene.lights, scene.origin, &[], None);
     let size = [64, 36];
-    let settings = Settings { only: Only::Indirect, bounces: None };
+    let settings = Settings { only: Only::Indirect, ..Settings::default() };
     // Into the dark room.
     let camera = &scene.cameras[0];
     let traced = [1, 2].map(|seed| {

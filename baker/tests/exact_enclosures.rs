@@ -290,7 +290,7 @@ fn a_white_torus_under_an_even_sky_is_as_bright_as_the_sky() {
     let surfaces = SceneSurfaces::from_scene(&scene);
     let sky = UniformEnvironment(Vec3::splat(0.8));
     let illumination = Illumination::new(&surfaces, &[]).with_environment(sky);
-    let settings = Settings { only: Only::All, bounces: None };
+    let settings = Settings { only: Only::All, ..Settings::default() };
     let cast = &scene.brep.as_ref().unwrap().faces[0].cast;
     for (i, v) in [0.0, 0.3, 0.5, 0.7, 0.9, 1.0].into_iter().enumerate() {
         let at = DVec2::new(1.1 * i as f64, v * PI);

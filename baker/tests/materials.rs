@@ -150,7 +150,8 @@ fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
         let direction = (stream.sphere() + 1.1 * Vec3::X).normalize();
         let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         sums[0] += relit.radiance(&surfaces, &ray, only, &mut stream);
-        sums[1] += radiance(&surfaces, &illumination, ray, Settings { only, bounces: None }, &mut stream);
+        sums[1] +=
+            radiance(&surfaces, &illumination, ray, Settings { only, ..Settings::default() }, &mut stream);
     }
     sums.map(|sum| sum / RAYS as f32)
 }
@@ -184,7 +185,7 @@ fn a_colour_that_is_seen_through_glass_is_tinted() {
         let origin = vec3(-3.0, 0.8, 0.1) - DVec3::from(scene.origin).as_vec3();
         let direction = (vec3(-0.5, -1.0, 0.1) - vec3(-3.0, 0.8, 0.1)).normalize();
         let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
-        let settings = Settings { only: Only::Direct, bounces: None };
+        let settings = Settings { only: Only::Direct, ..Settings::default() };
         let of = |i| radiance(&surfaces, &illumination, ray, settings, &mut Stream::new(9, i));
         (0..20_000).map(of).sum::<Vec3>() / 20_000.0
     };
@@ -263,7 +264,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
         {
             let mut stream = Stream::new(1, 1);
             assert_eq!(relit.radiance(&surfaces, &ray, only, &mut stream), expected);
-            let settings = Settings { only, bounces: None };
+            let settings = Settings { only, ..Settings::default() };
             assert_eq!(radiance(&surfaces, &illumination, ray, settings, &mut stream), expected);
         }
     }

@@ -170,7 +170,7 @@ fn a_room_with_a_shining_ceiling_is_as_bright_as_the_path_tracer_has_it() {
         let ray = Ray { origin: Vec3::ZERO, direction, max_distance: f32::INFINITY, spread: 0.0 };
         for (k, only) in [Only::Direct, Only::Indirect].into_iter().enumerate() {
             ours[k] += relit.radiance(&surfaces, &ray, only, &mut stream);
-            let settings = path_trace::Settings { only, bounces: None };
+            let settings = path_trace::Settings { only, ..Default::default() };
             traced[k] += path_trace::radiance(&surfaces, &truth, ray, settings, &mut stream);
         }
     }

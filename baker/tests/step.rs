@@ -48,7 +48,7 @@ fn scene() -> Scene {
 fn traced(scene: &Scene, surfaces: &impl Surfaces, seed: u64) -> Picture {
     let illumination = Illumination::of(surfaces, &scene.lights, scene.origin, 1.0);
     let exposure = Exposure { size: SIZE, samples: 256, seed };
-    let settings = Settings { only: Only::Indirect, bounces: None };
+    let settings = Settings { only: Only::Indirect, ..Settings::default() };
     path_trace(surfaces, scene.origin, &scene.cameras[0], &illumination, exposure, settings, || ())
 }
 

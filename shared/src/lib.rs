@@ -7,7 +7,7 @@
 //! * [`clip_planes`] – planes that end supports at walls; [`surroundings`] – the surfaces around a point;
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
-//! * `harmonics` – spherical harmonics; `ggx` – how rough metals and varnish reflect;
+//! * `harmonics` – spherical harmonics; `ggx`, `gloss` – how rough metals and varnish reflect;
 //! * [`elementary`] – elementary functions with the same bits on every platform;
 //! * [`environment`] – light from infinitely far: pictures, bins, suns, daylight;
 //! * [`exposure`] – limit of the automatic exposure;
@@ -36,6 +36,8 @@ pub mod exposure;
 pub mod footprint;
 #[cfg(feature = "radiosity")]
 pub mod ggx;
+#[cfg(feature = "radiosity")]
+pub mod gloss;
 #[cfg(feature = "radiosity")]
 pub mod harmonics;
 pub mod interpolation;

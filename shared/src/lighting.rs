@@ -6,8 +6,16 @@ pub use prepared::PreparedEnvironment;
 
 use crate::environment::bins::BINS;
 use crate::environment::{Environment, environment_from_world};
+#[cfg(feature = "radiosity")]
+use crate::environment::{reflection::Reflection, world_from_environment};
+#[cfg(feature = "radiosity")]
+use crate::gloss::ReflectedSky;
+#[cfg(feature = "radiosity")]
+use crate::harmonics::{COUNT, Coefficients, rotation::Rotation};
 use crate::light::{Light, LightSource};
 use crate::light_group::{MovedLight, group_strengths};
+#[cfg(feature = "radiosity")]
+use glam::Mat3;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -36,6 +44,18 @@ pub struct Background {
     pub rotation_deg: f32,
     /// Factor, linear RGB.
     pub factor: Vec3,
+    /// What surfaces reflect of it.
+    #[cfg(feature = "radiosity")]
+    pub reflection: Arc<Reflection>,
+}
+
+#[cfg(feature = "radiosity")]
+impl Background {
+    /// As a sky that surfaces reflect.
+    pub fn reflected(&self) -> ReflectedSky<'_> {
+        let Self { rotation_deg, factor, reflection, .. } = self;
+        ReflectedSky { mips: reflection.mips(), rotation_deg: *rotation_deg, factor: *factor }
+    }
 }
 
 impl Background {
@@ -92,8 +112,26 @@ impl Lighting {
         let sky = self.sky.get_or_insert_with(|| Box::new([Vec3::ZERO; BINS]));
         sky.iter_mut().zip(environment.bins(rotation_deg)).for_each(|(sum, bin)| *sum += factor * *bin);
         self.lamps.extend(environment.sun(rotation_deg, factor));
-        let environment = environment.picture().clone();
-        self.background.push(Background { environment, rotation_deg, factor });
+        self.background.push(Background {
+            environment: environment.picture().clone(),
+            rotation_deg,
+            factor,
+            #[cfg(feature = "radiosity")]
+            reflection: environment.reflection().clone(),
+        });
+    }
+
+    /// Returns the coefficients of the sky's radiance without its suns, world directions.
+    #[cfg(feature = "radiosity")]
+    pub fn sky_coefficients(&self) -> Coefficients {
+        let mut sum = [Vec3::ZERO; COUNT];
+        for background in &self.background {
+            let turn = |axis: Vec3| world_from_environment(axis, background.rotation_deg);
+            let turn = Mat3::from_cols(turn(Vec3::X), turn(Vec3::Y), turn(Vec3::Z));
+            let turned = Rotation::new(turn).apply(background.reflection.coefficients());
+            sum.iter_mut().zip(turned).for_each(|(sum, c)| *sum += background.factor * c);
+        }
+        sum
     }
 
     /// Returns the radiance of the sky behind a scene from a world direction, linear RGB.

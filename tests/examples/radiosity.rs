@@ -207,7 +207,7 @@ fn truth(scene: &Scene, camera: &Camera, seed: u64) -> Vec<Vec3> {
     let lights: Vec<LightSource> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
     let illumination = Illumination::new(&surfaces, &lights);
     let exposure = Exposure { size: SIZE, samples: PATHS, seed };
-    let settings = Settings { only: Only::Indirect, bounces: None };
+    let settings = Settings { only: Only::Indirect, ..Settings::default() };
     path_trace(&surfaces, scene.origin, camera, &illumination, exposure, settings, || ()).pixels
 }
 

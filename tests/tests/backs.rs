@@ -93,7 +93,7 @@ fn rendered(file: &BakedScene, only: Only) -> Vec<Vec3> {
 
 fn traced(scene: &Scene, only: Only) -> Vec<Vec3> {
     let surfaces = TriangleSurfaces::from_scene(scene);
-    let settings = Settings { only, bounces: None };
+    let settings = Settings { only, ..Settings::default() };
     let (camera, lights) = (&scene.cameras[0], &scene.lights);
     let illumination = Illumination::of(&surfaces, lights, scene.origin, 1.0);
     path_trace(&surfaces, scene.origin, camera, &illumination, exposure(16), settings, || ()).pixels

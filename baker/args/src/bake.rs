@@ -102,6 +102,9 @@ pub struct BakeArgs {
     #[arg(long, help_heading = QUALITY, hide_short_help = true)]
     pub no_sources: bool,
 
+    /// Roughness from which metals, and what is not metal, reflect like chalk: 0 for no gloss at all
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_name = "METALS[,OTHERS]", value_delimiter = ',', num_args = 1..=2, value_parser = number::at_least_zero_single)]
+    gloss_roughness: Option<Vec<f32>>,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
@@ -211,6 +214,10 @@ impl BakeArgs {
         set(&mut s.operator.later_levels, &self.later_levels);
         set(&mut s.direct_levels, &self.direct_levels);
         self.layout.apply(&mut s);
+        if let (Some(gloss), Some(given)) = (&mut s.gloss, &self.gloss_roughness) {
+            gloss.metals = given.first().copied().unwrap_or(gloss.metals);
+            gloss.dielectrics = given.get(1).copied().unwrap_or(gloss.dielectrics.min(gloss.metals));
+        }
         s.sources.sky = !self.no_sources;
         s
     }

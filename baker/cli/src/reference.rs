@@ -60,7 +60,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let illumination =
         Illumination::of_scene(&surfaces, &shot.lights, scene.origin, &groups, environment.as_ref());
     let exposure = args.picture.exposure(&shot, args.spp);
-    let settings = Settings { only: args.picture.only(), bounces: args.bounces };
+    let settings = Settings { only: args.picture.only(), bounces: args.bounces, gloss: shot.gloss };
     let rows = Rows::new(exposure.size[1]);
     let picture =
         path_trace(&surfaces, scene.origin, &shot.camera, &illumination, exposure, settings, || rows.done());

@@ -54,6 +54,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
     let relit = Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions);
+    let relit = if shot.gloss { relit.with_gloss(&scene) } else { relit };
     let only = args.picture.only();
     let picture = relit.picture(&scene, &with_lights, &shot.camera, exposure, only, || rows.done());
     rows.finish();

@@ -225,6 +225,7 @@ impl Estimate {
             }
         }
         add(Stage::Sources, None);
+        add(Stage::Gloss, None);
         add(Stage::Assemble, None);
         let prepared = cost::PREPARED[0] + cost::PREPARED[1] * triangles as f64;
         estimate.set(Stage::Bvh, None, triangles as f64, prepared);

@@ -13,8 +13,17 @@ impl Identity {
     /// Returns the identity of a bake of `scene` with `settings` by this program.
     pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
         // Destructured in full, so that no new field is forgotten.
-        let BakeSettings { preset, viewpoints, camera, solver, place, operator, sources, direct_levels } =
-            settings.clone().normalised();
+        let BakeSettings {
+            preset,
+            viewpoints,
+            camera,
+            solver,
+            place,
+            operator,
+            sources,
+            gloss,
+            direct_levels,
+        } = settings.clone().normalised();
         let PlaceSettings {
             levels,
             coarse_radius,
@@ -46,7 +55,7 @@ impl Identity {
             rebounce_shared::SOURCES,
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 24] = [
+        let parts: [(&str, &dyn Debug); 25] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -69,6 +78,7 @@ impl Identity {
             ("far levels", &far_levels),
             ("direct levels", &direct_levels),
             ("sources", &sources),
+            ("gloss", &gloss),
             ("solver", &solver),
             ("refinement", &refinement),
         ];

@@ -145,7 +145,11 @@ impl<'a> Judge<'a> {
     ) -> Picture {
         let exposure = Exposure { size: self.size, samples, seed };
         // The first bounce is always included.
-        let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
+        let settings = Settings {
+            only: Only::Indirect,
+            bounces: self.bounces.map(|bounces| bounces.max(1)),
+            gloss: false,
+        };
         let origin = self.scene.origin;
         let groups = emissive_groups(self.scene);
         let environment = self.scene.environment.as_ref();

@@ -5,6 +5,7 @@ use crate::job::Job;
 use crate::job::communicator::CommunicatorError;
 use crate::sampling::PlaceSettings;
 use crate::transport::direct_to_indirect::DirectToIndirect;
+use crate::transport::gloss::GlossSettings;
 use crate::transport::sources::SourceSettings;
 use crate::transport::{Operator, OperatorSettings, Partial, Problem, Refinement, Solver, Unlinked};
 use rebounce_shared::camera::Camera;
@@ -86,6 +87,8 @@ pub struct BakeSettings {
     pub operator: OperatorSettings,
     /// How links from the sky and from emissive surfaces are computed.
     pub sources: SourceSettings,
+    /// How glossy transfer is computed; `None` for none.
+    pub gloss: Option<GlossSettings>,
     /// Number of levels, starting with the coarsest, whose points sample direct light; minimum: the sender levels. With
     /// more levels, the edge of a moving shadow sweeps more smoothly.
     pub direct_levels: usize,
@@ -120,6 +123,7 @@ impl BakeSettings {
                 seed: 1,
             },
             sources: SourceSettings::default(),
+            gloss: Some(GlossSettings::default()),
             direct_levels: levels,
         }
     }

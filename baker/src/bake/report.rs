@@ -6,6 +6,7 @@ use crate::job::communicator::share::Traffic;
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::Operator;
+use crate::transport::gloss::GlossReport;
 use crate::transport::sources::SourceLinks;
 use crate::verify::compare::uncertainty::ErrorEstimate;
 use rebounce_shared::rbn::container::Section;
@@ -77,6 +78,8 @@ pub struct BakeReport {
     pub source_links: u64,
     /// Rays cast for them.
     pub source_rays: u64,
+    /// Glossy transfer.
+    pub gloss: GlossReport,
     /// Bounces in the operator.
     pub bounces: u32,
     /// Share of the reflected light that no sender covers.
@@ -294,6 +297,17 @@ impl fmt::Display for BakeReport {
                 sources.join(", "),
                 self.source_links,
                 self.source_rays as f64 / 1e6
+            )?;
+        }
+        if self.gloss.matrices > 0 {
+            let gloss = &self.gloss;
+            writeln!(
+                f,
+                "gloss         {} matrices for {} points, {:.1} M rays, packed with an error of {:.1}%",
+                gloss.matrices,
+                gloss.points,
+                gloss.rays as f64 / 1e6,
+                100.0 * gloss.compression_error
             )?;
         }
         writeln!(

@@ -17,6 +17,7 @@ use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
+use crate::transport::gloss::glossy_transfer;
 use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver, Unlinked};
 use glam::Vec3;
@@ -161,7 +162,12 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         let task = tracker.task(Stage::Assemble, None);
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
-        let file = self.file(&settings, &points, &relations, &operator, sources);
+        let mut file = self.file(&settings, &points, &relations, &operator, sources);
+        if let Some(gloss) = settings.gloss.as_ref().filter(|_| settings.solver == BakeSolver::Operator) {
+            let task = tracker.task(Stage::Gloss, None);
+            let found = glossy_transfer(self.surfaces, &points, &file, gloss, &task)?;
+            (file.gloss, report.gloss) = found;
+        }
         report.is_unlit = !self.is_lit(&file);
         task.step(0)?;
         drop(task);

@@ -26,6 +26,8 @@ pub enum Stage {
     Multibounce,
     /// Gathering the links from the sky and from emissive surfaces. Counts points.
     Sources,
+    /// Gathering glossy transfer from the sky. Counts points.
+    Gloss,
     /// Computing direct light at the points. Counts points.
     DirectLight,
     /// Computing light transport by a solver without stages of its own.
@@ -49,6 +51,7 @@ impl Stage {
             Stage::CoarseMatrix => "coarse transport matrix",
             Stage::Multibounce => "multibounce",
             Stage::Sources => "gathering sources",
+            Stage::Gloss => "gathering glossy transfer",
             Stage::DirectLight => "direct light",
             Stage::Transport => "solving transport",
             Stage::Assemble => "assembling file",

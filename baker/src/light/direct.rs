@@ -63,6 +63,17 @@ pub fn toward_hit(
     hit: &Hit,
     stream: &mut Stream,
 ) -> Vec3 {
+    toward_hit_with(surfaces, lights, hit, stream, |irradiance, _| irradiance)
+}
+
+/// As [`toward_hit`], with the irradiance of each sample weighed: `weigh` takes it, RGB, and the unit vector to the light.
+pub fn toward_hit_with(
+    surfaces: &(impl Surfaces + ?Sized),
+    lights: &[LightSource],
+    hit: &Hit,
+    stream: &mut Stream,
+    weigh: impl Fn(Vec3, Vec3) -> Vec3,
+) -> Vec3 {
     let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(hit.position));
     let mut total = Vec3::ZERO;
     for light in lights {
@@ -72,18 +83,20 @@ pub fn toward_hit(
             at.irradiance *= sample.share;
             (at.to_light, at.distance) = (sample.to_light, sample.distance);
         }
-        total += reaching(surfaces, light, &at, hit.position, hit.normal, origin);
+        total += weigh(reaching(surfaces, light, &at, hit.position, hit.normal, origin), at.to_light);
     }
     for light in lights.iter().filter(|light| light.kind.is_area()) {
         let square = stream.square();
         let arriving = arriving(surfaces, light, hit.position, hit.normal, origin, square);
-        total += arriving.map_or(Vec3::ZERO, |at| at.irradiance());
+        total += arriving.map_or(Vec3::ZERO, |at| weigh(at.irradiance(), at.to_light));
     }
     total
 }
 
 /// A sample of an area light at a surface.
 pub(super) struct Arriving {
+    /// Unit vector to the place.
+    pub to_light: Vec3,
     /// Linear RGB radiance, with visibility.
     pub radiance: Vec3,
     /// Cosine of the angle to the surface's normal, above 0.
@@ -113,7 +126,7 @@ pub(super) fn arriving(
         return None;
     }
     let left = surfaces.transmittance(origin(to_light), place);
-    (left != Vec3::ZERO).then(|| Arriving { radiance: light.intensity * left, cosine, density })
+    (left != Vec3::ZERO).then(|| Arriving { to_light, radiance: light.intensity * left, cosine, density })
 }
 
 /// Irradiance from the area lights by the sample of each at `square`.

@@ -5,7 +5,8 @@
 //! heuristic: weights are the shares of the densities, per steradian.
 
 use super::area;
-use super::direct::{arriving, beyond, toward_hit};
+use super::bsdf::Bsdf;
+use super::direct::{arriving, beyond, toward_hit_with};
 use super::environment_map::EnvironmentMap;
 use super::far::{Environment, UniformEnvironment};
 use crate::geometry::{Emitters, Hit, HitEmitter, Surfaces};
@@ -16,7 +17,6 @@ use rebounce_shared::environment;
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::emission_factors;
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
-use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// Shining triangles, to choose from by power.
@@ -201,20 +201,28 @@ impl Illumination {
             .map_or((Vec3::ZERO, 0.0), |sky| (sky.radiance(direction), sky.density(direction)))
     }
 
-    /// Single-sample estimate of the RGB irradiance at a hit on a matt surface: a sample of every lamp, every area
-    /// light, the shining triangles and the environment. All but the lamps' have the weight against
-    /// [cosine-distributed](Stream::cosine_hemisphere) rays that find the same light by chance.
-    pub fn estimate(&self, surfaces: &(impl Surfaces + ?Sized), hit: &Hit, stream: &mut Stream) -> Vec3 {
-        let mut total = toward_hit(surfaces, &self.lamps, hit, stream);
+    /// Single-sample estimate of the RGB irradiance at a hit, light from each direction times [`Bsdf::over_lambertian`]:
+    /// times the BSDF's albedo over π, the radiance that the hit reflects. A sample of every lamp, every area light, the
+    /// shining triangles and the environment. All but the lamps' have the weight against rays that the [BSDF
+    /// samples](Bsdf::sample), which find the same light by chance.
+    pub fn estimate(
+        &self,
+        surfaces: &(impl Surfaces + ?Sized),
+        hit: &Hit,
+        bsdf: &Bsdf,
+        stream: &mut Stream,
+    ) -> Vec3 {
+        let weigh = |irradiance, to_light| irradiance * bsdf.over_lambertian(to_light);
+        let mut total = toward_hit_with(surfaces, &self.lamps, hit, stream, weigh);
         let epsilon = surfaces.epsilon_at(hit.position);
         let origin = |to_light| hit.offset_origin(to_light, epsilon);
-        let mut add = |radiance: Vec3, cosine: f32, density: f32| {
-            total += radiance * (cosine / (density + cosine * FRAC_1_PI));
+        let mut add = |radiance: Vec3, to_light: Vec3, cosine: f32, density: f32| {
+            total += weigh(radiance * (cosine / (density + bsdf.density(to_light))), to_light);
         };
         for light in &self.areas {
             let square = stream.square();
             if let Some(at) = arriving(surfaces, light, hit.position, hit.normal, origin, square) {
-                add(at.radiance, at.cosine, at.density);
+                add(at.radiance, at.to_light, at.cosine, at.density);
             }
         }
         if let Some(table) = self.emitters.as_ref().filter(|_| self.emission != Vec3::ZERO)
@@ -222,18 +230,15 @@ impl Illumination {
             && let Some(at) = table.sample(emitters, hit, stream)
         {
             let left = surfaces.transmittance(origin(at.to_light), at.position);
-            add(self.emission * at.radiance * left, at.cosine, at.density);
+            add(self.emission * at.radiance * left, at.to_light, at.cosine, at.density);
         }
         if let Some(environment) = &self.environment {
             let (to_light, density) = environment.sample(stream.square());
             let cosine = hit.normal.dot(to_light);
             if cosine > 0.0 && density > 0.0 {
                 let to = beyond(surfaces, hit.position, to_light);
-                add(
-                    environment.radiance(to_light) * surfaces.transmittance(origin(to_light), to),
-                    cosine,
-                    density,
-                );
+                let left = surfaces.transmittance(origin(to_light), to);
+                add(environment.radiance(to_light) * left, to_light, cosine, density);
             }
         }
         total

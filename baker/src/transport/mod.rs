@@ -7,11 +7,18 @@
 //! * [`radiosity`] – bounced light of given lights that stay in place (Lehtinen et al. 2007);
 //! * [`wavelet`] – bounced light of given lights on exact surfaces (Alonso et al. 2001);
 //! * [`Unlinked`] – no transport: radiosity of moving things is computed when a file is shown (Schäfer et al. 2011);
-//! * [`sources`] – links from the sky and from emissive surfaces, which stay in place.
+//! * [`sources`] – links from the sky and from emissive surfaces, which stay in place;
+//! * `gloss` – what arrives at glossy surfaces from each direction of the sky (Lehtinen et al. 2007).
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
 pub mod direct_to_indirect;
+#[cfg(feature = "gloss")]
+pub mod gloss;
+#[cfg(not(feature = "gloss"))]
+#[path = "no_gloss.rs"]
+pub mod gloss;
+mod gloss_settings;
 pub mod operator;
 pub mod radiosity;
 pub mod sources;

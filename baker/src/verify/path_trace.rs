@@ -2,13 +2,14 @@
 //! operator; only the surfaces and the lights are shared code.
 //!
 //! Paths start at the eye, where back faces of one-sided surfaces are invisible, and continue in
-//! cosine-distributed directions; at every surface all that shines is sampled, and what shines at the
-//! end of a ray counts as well: [`Illumination`] has the weights. Paths end by Russian roulette after
-//! [`ROULETTE_DEPTH`] bounces.
+//! directions that the surface's [`Bsdf`] samples; at every surface all that shines is sampled, and what
+//! shines at the end of a ray counts as well: [`Illumination`] has the weights. Paths end by Russian
+//! roulette after [`ROULETTE_DEPTH`] bounces.
 
 use crate::geometry::with_lights::WithLights;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
+use crate::light::bsdf::{Bsdf, BsdfSample};
 use crate::light::illumination::Illumination;
 use crate::random::Stream;
 use crate::verify::expose::{Exposure, expose};
@@ -30,6 +31,8 @@ pub struct Settings {
     pub only: Only,
     /// Maximum number of bounces before the visible surface; unlimited when absent.
     pub bounces: Option<u32>,
+    /// Whether metals are GGX conductors; otherwise they are Lambertian.
+    pub gloss: bool,
 }
 
 /// Renders `surfaces` and the area lights among them; local space is world space − `origin`. `row_done` is called after
@@ -89,7 +92,8 @@ pub fn radiance(
             total += throughput * emitted * weight;
         }
         let Some(hit) = hit.filter(|hit| depth <= last && !(depth == 0 && hit.is_unlit)) else { break };
-        throughput *= hit.albedo;
+        let bsdf = Bsdf::new(&hit, -ray.direction, settings.gloss);
+        throughput *= bsdf.albedo;
         if throughput == Vec3::ZERO {
             break;
         }
@@ -97,7 +101,7 @@ pub fn radiance(
         let own = stream.bits();
         if counts(depth) {
             let mut own = Stream::new(own, depth.into());
-            total += throughput * FRAC_1_PI * illumination.estimate(surfaces, &hit, &mut own);
+            total += throughput * FRAC_1_PI * illumination.estimate(surfaces, &hit, &bsdf, &mut own);
         }
         if depth == last && !(counts(depth) && illumination.is_met_by_chance()) {
             break;
@@ -109,10 +113,11 @@ pub fn radiance(
             }
             throughput /= survival;
         }
-        let direction = stream.cosine_hemisphere(hit.normal);
+        let Some(BsdfSample { to_light: direction, weight, density }) = bsdf.sample(stream) else { break };
+        throughput *= weight;
         let origin = hit.offset_origin(direction, surfaces.epsilon_at(hit.position));
         ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
-        before = Some((hit.position, hit.normal.dot(direction).max(0.0) * FRAC_1_PI));
+        before = Some((hit.position, density));
         depth += 1;
     }
     total

@@ -10,7 +10,11 @@ use crate::link::{LaterLink, Link, SourceLink};
 use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
+#[cfg(feature = "radiosity")]
+use crate::rbn::codec::MOST_TIMES;
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+#[cfg(feature = "radiosity")]
+use crate::rbn::gloss::{self, Gloss};
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
 #[cfg(feature = "radiosity")]
@@ -68,6 +72,9 @@ pub struct BakedScene {
     /// The same light as a texture, if there is one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Lightmap,
+    /// What arrives at points of glossy surfaces from the sky, if there is any.
+    #[cfg(feature = "radiosity")]
+    pub gloss: Gloss,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
@@ -77,7 +84,7 @@ use crate::rbn::{
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
 #[cfg(feature = "radiosity")]
-use crate::rbn::{LIGHTMAP_SECTIONS, SPECULAR_SECTION};
+use crate::rbn::{GLOSS_SECTIONS, LIGHTMAP_SECTIONS, SPECULAR_SECTION};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -266,6 +273,10 @@ impl BakedScene {
             sections.extend([of_materials, of_points].into_iter().zip(of_groups.iter().map(Vec::as_slice)));
         }
         sections.extend(reflectance.iter().map(|bytes| (of_reflectance, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let of_gloss = self.gloss_sections()?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(of_gloss.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -319,6 +330,8 @@ impl BakedScene {
             light_groups: LightGroups::default(),
             #[cfg(feature = "radiosity")]
             lightmap: Lightmap::default(),
+            #[cfg(feature = "radiosity")]
+            gloss: Gloss::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {
@@ -369,7 +382,25 @@ impl BakedScene {
         Ok(LIGHTMAP_SECTIONS.into_iter().zip(packed).collect())
     }
 
-    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of groups and of reflectances.
+    /// Packs the sections of glossy transfer; none without it.
+    fn gloss_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
+        let Gloss { layout, points, clusters, weights, vectors } = &self.gloss;
+        if self.gloss.is_empty() {
+            return Ok(Vec::new());
+        }
+        let packed = |bytes: &[u8]| packed_bytes(bytes).unwrap_or_default();
+        let sections = [
+            gloss::encode(layout)?,
+            columns::encode(points),
+            packed(clusters),
+            packed(weights),
+            packed(vectors),
+        ];
+        Ok(GLOSS_SECTIONS.into_iter().zip(sections).collect())
+    }
+
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy transfer, of groups and of
+    /// reflectances.
     fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
@@ -392,6 +423,21 @@ impl BakedScene {
                 coordinates: records("LMUV", bytes(*b"LMUV")?)?,
                 offsets: records("LMOF", bytes(*b"LMOF")?)?,
                 texels: records("LMTX", bytes(*b"LMTX")?)?,
+            };
+        }
+        if GLOSS_SECTIONS.into_iter().any(has) {
+            let unpacked = |name: [u8; 4]| {
+                let packed = bytes(name)?;
+                let most = packed.len().saturating_mul(MOST_TIMES);
+                let name = String::from_utf8_lossy(&name);
+                if packed.is_empty() { Ok(Vec::new()) } else { unpacked_bytes(&name, packed, most) }
+            };
+            self.gloss = Gloss {
+                layout: gloss::decode(bytes(*b"GLSY")?)?,
+                points: records("GLPT", bytes(*b"GLPT")?)?,
+                clusters: unpacked(*b"GLCL")?,
+                weights: unpacked(*b"GLWT")?,
+                vectors: unpacked(*b"GLBS")?,
             };
         }
         let mut of_material = Vec::new();

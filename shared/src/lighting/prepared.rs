@@ -2,6 +2,8 @@
 
 use crate::environment::bins::{BINS, project};
 use crate::environment::packed::MAX_WIDTH;
+#[cfg(feature = "radiosity")]
+use crate::environment::reflection::Reflection;
 use crate::environment::{Environment, Sun, extract_sun, world_from_environment};
 use crate::light::{Light, LightSource};
 use glam::Vec3;
@@ -19,6 +21,9 @@ pub struct PreparedEnvironment {
     parts: OnceCell<(Environment, Option<Sun>)>,
     /// The bins of the last rotation, degrees.
     bins: Option<(f32, Box<[Vec3; BINS]>)>,
+    /// What surfaces reflect of it.
+    #[cfg(feature = "radiosity")]
+    reflection: Arc<Reflection>,
 }
 
 impl Default for PreparedEnvironment {
@@ -31,12 +36,24 @@ impl Default for PreparedEnvironment {
 impl PreparedEnvironment {
     /// Keeps the picture; nothing is computed yet.
     pub fn new(picture: Arc<Environment>) -> Self {
-        Self { picture, parts: OnceCell::new(), bins: None }
+        Self {
+            #[cfg(feature = "radiosity")]
+            reflection: Arc::new(Reflection::new(picture.clone())),
+            picture,
+            parts: OnceCell::new(),
+            bins: None,
+        }
     }
 
     /// The picture, with the sun.
     pub fn picture(&self) -> &Arc<Environment> {
         &self.picture
+    }
+
+    /// What surfaces reflect of it.
+    #[cfg(feature = "radiosity")]
+    pub fn reflection(&self) -> &Arc<Reflection> {
+        &self.reflection
     }
 
     fn parts(&self) -> &(Environment, Option<Sun>) {

@@ -5,6 +5,7 @@
 //! * [`extras`] and `specular` – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
+//! * `gloss` – glossy transfer from distant light;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
@@ -17,6 +18,8 @@ pub mod bulk;
 pub mod codec;
 pub mod container;
 pub mod extras;
+#[cfg(feature = "radiosity")]
+pub mod gloss;
 pub mod groups;
 pub mod light_groups;
 pub mod lightmap;
@@ -54,6 +57,8 @@ pub const LIGHTMAP_SECTIONS: [[u8; 4]; 4] = [*b"LMAP", *b"LMUV", *b"LMOF", *b"LM
 /// Names of the optional sections of [reconstruction groups](groups), of the materials' and the points' groups, and of the
 /// points' reflectance, after the sections above.
 pub const RECONSTRUCTION_SECTIONS: [[u8; 4]; 4] = [*b"RGRP", *b"MGRP", *b"PGRP", *b"REFL"];
+/// Names of the optional sections of glossy transfer, after the sections above.
+pub const GLOSS_SECTIONS: [[u8; 4]; 5] = [*b"GLSY", *b"GLPT", *b"GLCL", *b"GLWT", *b"GLBS"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -75,7 +75,7 @@ impl Truth {
     fn new(scene: &Scene, paths: u32) -> Self {
         let exact = SceneSurfaces::from_scene(scene);
         let illumination = Illumination::of(&exact, &scene.lights, scene.origin, 1.0);
-        let settings = Settings { only: Only::Indirect, bounces: None };
+        let settings = Settings { only: Only::Indirect, ..Settings::default() };
         let traced = |seed| {
             let exposure = Exposure { size: SIZE, samples: paths, seed };
             path_trace(&exact, scene.origin, &scene.cameras[0], &illumination, exposure, settings, || ())

@@ -1,11 +1,13 @@
 use super::*;
-use crate::geometry::Hit;
 use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Gloss, Hit};
 use crate::light::direct;
 use crate::light::far::UniformEnvironment;
 use crate::scene::Scene;
 use rebounce_shared::light::{Light, LightSource};
 use std::f64::consts::PI;
+
+mod gloss;
 
 #[test]
 fn a_closed_room_of_albedo_half_holds_as_much_bounced_light_as_direct() {
@@ -25,8 +27,9 @@ fn a_closed_room_of_albedo_half_holds_as_much_bounced_light_as_direct() {
         let mut direction = Vec3::ZERO;
         direction[axis] = if stream.unit() < 0.5 { 1.0 } else { -1.0 };
         let ray = Ray { origin: origin.into(), direction, max_distance: f32::INFINITY, spread: 0.0 };
-        let mut of =
-            |only| radiance(&surfaces, &illumination, ray, Settings { only, bounces: None }, &mut stream).x;
+        let mut of = |only| {
+            radiance(&surfaces, &illumination, ray, Settings { only, ..Settings::default() }, &mut stream).x
+        };
         direct += of(Only::Direct) as f64;
         indirect += of(Only::Indirect) as f64;
     }
@@ -47,7 +50,7 @@ fn bounces_add_up_as_a_geometric_series() {
     let illumination = Illumination::of(&surfaces, &room.lights, room.origin, 1.0);
     let exposure = Exposure { size: [24, 24], samples: 64, seed: 3 };
     let mean = |bounces| {
-        let settings = Settings { only: Only::Indirect, bounces };
+        let settings = Settings { only: Only::Indirect, bounces, ..Settings::default() };
         let picture =
             path_trace(&surfaces, room.origin, &room.cameras[0], &illumination, exposure, settings, || ());
         picture.pixels.iter().map(|p| p.x).sum::<f32>() / picture.pixels.len() as f32
@@ -68,7 +71,7 @@ fn no_path_of_a_white_room_outweighs_the_others() {
     room.materials.iter_mut().for_each(|material| material.base_color = [0.97, 0.97, 0.97, 1.0]);
     let surfaces = TriangleSurfaces::from_scene(&room);
     let illumination = Illumination::of(&surfaces, &room.lights[..1], room.origin, 1.0);
-    let settings = Settings { only: Only::Indirect, bounces: None };
+    let settings = Settings { only: Only::Indirect, ..Settings::default() };
     let paths: Vec<f64> = (0..20_000)
         .map(|i| {
             let ray =
@@ -90,7 +93,7 @@ fn the_parts_sum_to_the_whole_at_any_thread_count() {
     let exposure = Exposure { size: [16, 16], samples: 8, seed: 5 };
     let take = |only, threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let settings = Settings { only, bounces: None };
+        let settings = Settings { only, ..Settings::default() };
         pool.install(|| {
             path_trace(&surfaces, room.origin, &room.cameras[0], &illumination, exposure, settings, || ())
         })
@@ -111,7 +114,7 @@ fn ray(direction: Vec3) -> Ray {
 
 /// Mean of the radiance along a ray.
 fn mean(surfaces: &impl Surfaces, illumination: &Illumination, ray: Ray, only: Only, samples: u64) -> f64 {
-    let settings = Settings { only, bounces: None };
+    let settings = Settings { only, ..Settings::default() };
     let of = |i| f64::from(radiance(surfaces, illumination, ray, settings, &mut Stream::new(4, i)).x);
     (0..samples).map(of).sum::<f64>() / samples as f64
 }
@@ -230,7 +233,7 @@ fn shining_triangles_give_the_same_by_chance_and_sampled_besides() {
 }
 
 /// A white ball of radius 1.
-struct Ball;
+struct Ball(Gloss);
 
 impl Surfaces for Ball {
     fn cast(&self, ray: &Ray, _seed: u32) -> Option<Hit> {
@@ -250,7 +253,7 @@ impl Surfaces for Ball {
             is_unlit: false,
             group: 0,
             lightmap: None,
-            gloss: crate::geometry::Gloss::MATT,
+            gloss: self.0,
         })
     }
 
@@ -274,12 +277,13 @@ impl Surfaces for Ball {
 
 #[test]
 fn a_white_ball_under_a_white_sky_is_as_bright_as_the_sky() {
-    let illumination = Illumination::new(&Ball, &[]).with_environment(UniformEnvironment(Vec3::splat(0.8)));
+    let ball = Ball(Gloss::MATT);
+    let illumination = Illumination::new(&ball, &[]).with_environment(UniformEnvironment(Vec3::splat(0.8)));
     for aside in [0.0, 0.5, 0.9] {
         let ray = Ray { origin: Vec3::new(aside, 0.0, 3.0), ..ray(Vec3::NEG_Z) };
-        close(mean(&Ball, &illumination, ray, Only::Direct, 20_000), 0.8, 0.01);
-        close(mean(&Ball, &illumination, ray, Only::All, 20_000), 0.8, 0.01);
+        close(mean(&ball, &illumination, ray, Only::Direct, 20_000), 0.8, 0.01);
+        close(mean(&ball, &illumination, ray, Only::All, 20_000), 0.8, 0.01);
     }
     let past = Ray { origin: Vec3::new(0.0, 3.0, 3.0), ..ray(Vec3::NEG_Z) };
-    close(mean(&Ball, &illumination, past, Only::Direct, 1), 0.8, 1e-6);
+    close(mean(&ball, &illumination, past, Only::Direct, 1), 0.8, 1e-6);
 }

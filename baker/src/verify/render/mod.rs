@@ -6,6 +6,7 @@
 //! with albedo / π.
 
 pub mod backdrop;
+mod gloss;
 pub mod shown;
 pub mod unlit;
 
@@ -19,6 +20,7 @@ use crate::random::Stream;
 use crate::sampling::open_share;
 use crate::verify::expose::{Exposure, expose};
 use glam::Vec3;
+use gloss::Reflections;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
@@ -65,6 +67,8 @@ pub struct Relit {
     reach: Option<f32>,
     /// Where the groups are; functions are where the file has them.
     motions: Motions,
+    /// What metals reflect; `None` where they are Lambertian.
+    reflections: Option<Reflections>,
 }
 
 /// Irradiance, linear RGB.
@@ -139,7 +143,13 @@ impl Relit {
             false => MixedLightmap::default(),
         };
         let group_of = scene.sources.group_of_materials();
-        Self { lighting, irradiance, lightmap, group_of, basis, reach, motions }
+        Self { lighting, irradiance, lightmap, group_of, basis, reach, motions, reflections: None }
+    }
+
+    /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. `scene` is that of
+    /// [`Self::new`].
+    pub fn with_gloss(self, scene: &BakedScene) -> Self {
+        Self { reflections: Reflections::new(scene, &self.lighting), ..self }
     }
 
     /// Interpolates the points' light at a surface element of a reconstruction group, RGB, local space: without detail,
@@ -236,12 +246,32 @@ impl Relit {
         if hit.is_unlit {
             return if only == Only::All { tint * hit.emission } else { Vec3::ZERO };
         }
+        if let Some(radiance) = self.of_metal(surfaces, &hit, ray, only, stream) {
+            return tint * (radiance + self.emission(surfaces, &hit));
+        }
         let irradiance = match hit.albedo {
             Vec3::ZERO => Vec3::ZERO,
             _ => self.irradiance(surfaces, &hit, only, stream),
         };
         let emission = if only == Only::Indirect { Vec3::ZERO } else { self.emission(surfaces, &hit) };
         tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
+    }
+}
+
+impl Relit {
+    /// Radiance that a metal reflects along a ray; `None` for other surfaces, and where pictures have no gloss.
+    fn of_metal(
+        &self,
+        surfaces: &impl Surfaces,
+        hit: &Hit,
+        ray: &Ray,
+        only: Only,
+        stream: &mut Stream,
+    ) -> Option<Vec3> {
+        let reflections = self.reflections.as_ref().filter(|_| only == Only::All && hit.gloss.is_metal())?;
+        let around = reflections.of_metal(&self.lighting, &self.basis, hit, ray.direction)?;
+        let lamps = direct::toward_hit(surfaces, &self.lighting.lamps, hit, stream);
+        Some(around + hit.albedo * FRAC_1_PI * lamps)
     }
 }
 

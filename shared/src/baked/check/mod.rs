@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{groups, light_groups, lightmap, specular};
+use crate::rbn::{gloss, groups, light_groups, lightmap, specular};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -97,6 +97,8 @@ impl BakedScene {
         check_rows("SRCL", offsets, links, rows, self.sources.count())?;
         #[cfg(feature = "radiosity")]
         self.check_light_groups()?;
+        #[cfg(feature = "radiosity")]
+        gloss::check(&self.gloss, self.points.len())?;
         Ok(())
     }
 

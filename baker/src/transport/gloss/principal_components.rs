@@ -1,0 +1,213 @@
+//! Clustered principal component analysis (Sloan, Hall, Hart and Snyder 2003): matrices as the mean of a cluster plus
+//! weighted components, all in signed bytes.
+//!
+//! Clusters are those of k-means over the matrix vectors, seeded evenly along the points' order, which is a space-filling
+//! curve a level. Components are the leading eigenvectors of a cluster's covariance, by subspace iteration.
+
+use super::adaptive::Matrices;
+use super::matrix::DIMENSIONS;
+use rayon::prelude::*;
+use rebounce_shared::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
+
+/// Matrices of a cluster, about.
+const PER_CLUSTER: usize = 256;
+/// Largest number of clusters.
+const MOST_CLUSTERS: usize = 64;
+/// Rounds of k-means.
+const ROUNDS: usize = 8;
+/// Rounds of subspace iteration.
+const ITERATIONS: usize = 12;
+
+type Vector = [f32; DIMENSIONS];
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    // Eight sums, so that the compiler may use lanes.
+    let mut sums = [0.0f32; 8];
+    let (a, rest_a) = a.as_chunks::<8>();
+    let (b, rest_b) = b.as_chunks::<8>();
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..8 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f32 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f32>() + rest
+}
+
+fn distance_squared(a: &Vector, b: &Vector) -> f32 {
+    dot(a, a) - 2.0 * dot(a, b) + dot(b, b)
+}
+
+fn mean_of<'v>(vectors: impl Iterator<Item = &'v Vector>) -> Option<Box<Vector>> {
+    let (mut sum, mut count) = (Box::new([0.0; DIMENSIONS]), 0.0f32);
+    for vector in vectors {
+        sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += x);
+        count += 1.0;
+    }
+    (count > 0.0).then(|| {
+        sum.iter_mut().for_each(|x| *x /= count);
+        sum
+    })
+}
+
+/// Returns the cluster of each vector.
+fn clusters(vectors: &[&Vector], count: usize) -> Vec<usize> {
+    let seed = |k: usize| Box::new(*vectors[(2 * k + 1) * vectors.len() / (2 * count)]);
+    let mut means: Vec<Box<Vector>> = (0..count).map(seed).collect();
+    let mut out = vec![0; vectors.len()];
+    for _ in 0..ROUNDS {
+        let nearest = |vector: &&Vector| {
+            let distances = means.iter().map(|mean| distance_squared(vector, mean));
+            let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            least.map_or(0, |(cluster, _)| cluster)
+        };
+        out = vectors.par_iter().map(nearest).collect();
+        let of = |k: usize| {
+            let own = vectors.iter().zip(&out).filter(|(_, cluster)| **cluster == k);
+            mean_of(own.map(|(vector, _)| *vector))
+        };
+        let fresh: Vec<_> = (0..count).into_par_iter().map(of).collect();
+        for (mean, fresh) in means.iter_mut().zip(fresh) {
+            *mean = fresh.unwrap_or_else(|| mean.clone());
+        }
+    }
+    out
+}
+
+/// Makes vectors orthonormal (Gram and Schmidt, twice); what is left of dependent ones becomes zero.
+fn orthonormalise(vectors: &mut [Box<Vector>]) {
+    for i in 0..vectors.len() {
+        let (before, rest) = vectors.split_at_mut(i);
+        let own = &mut rest[0];
+        for _ in 0..2 {
+            for other in before.iter() {
+                let along = dot(&own[..], &other[..]);
+                own.iter_mut().zip(other.iter()).for_each(|(x, o)| *x -= along * o);
+            }
+        }
+        let length = dot(&own[..], &own[..]).sqrt();
+        let scale = if length > 1e-9 { 1.0 / length } else { 0.0 };
+        own.iter_mut().for_each(|x| *x *= scale);
+    }
+}
+
+/// The leading components of vectors without their mean.
+fn components(centred: &[Box<Vector>], count: usize) -> Vec<Box<Vector>> {
+    let start = |k: usize| match centred.len() {
+        0 => Box::new([0.0; DIMENSIONS]),
+        len => centred[(2 * k + 1) * len / (2 * count)].clone(),
+    };
+    let mut basis: Vec<Box<Vector>> = (0..count).map(start).collect();
+    orthonormalise(&mut basis);
+    for _ in 0..ITERATIONS {
+        let mut next = vec![Box::new([0.0; DIMENSIONS]); count];
+        for vector in centred {
+            for (next, own) in next.iter_mut().zip(&basis) {
+                let along = dot(&vector[..], &own[..]);
+                next.iter_mut().zip(vector.iter()).for_each(|(sum, x)| *sum += along * x);
+            }
+        }
+        basis = next;
+        orthonormalise(&mut basis);
+    }
+    basis
+}
+
+/// Bytes of numbers, and their scale.
+fn to_bytes(numbers: &[f32]) -> (Vec<u8>, f32) {
+    let largest = numbers.iter().fold(0.0f32, |most, x| most.max(x.abs()));
+    let scale = if largest > 0.0 { largest / 127.0 } else { 1.0 };
+    (numbers.iter().map(|x| (x / scale).round() as i8 as u8).collect(), scale)
+}
+
+fn from_bytes(bytes: &[u8], scale: f32) -> Box<Vector> {
+    let mut out = Box::new([0.0; DIMENSIONS]);
+    out.iter_mut().zip(bytes).for_each(|(x, byte)| *x = f32::from(*byte as i8) * scale);
+    out
+}
+
+/// A compressed cluster.
+struct Compressed {
+    vectors: Vec<u8>,
+    vector_scales: Vec<f32>,
+    weight_scales: Vec<f32>,
+    /// By member.
+    weights: Vec<Vec<u8>>,
+    /// Sum of squares of what is lost.
+    lost: f64,
+}
+
+fn compress(members: &[&Vector], count: usize) -> Compressed {
+    let mean = mean_of(members.iter().copied()).unwrap_or_else(|| Box::new([0.0; DIMENSIONS]));
+    let (bytes, scale) = to_bytes(&mean[..]);
+    let mean = from_bytes(&bytes, scale);
+    let centre = |member: &&Vector| {
+        let mut own = Box::new(**member);
+        own.iter_mut().zip(mean.iter()).for_each(|(x, mean)| *x -= mean);
+        own
+    };
+    let centred: Vec<Box<Vector>> = members.iter().map(centre).collect();
+    let (mut vectors, mut vector_scales) = (bytes, vec![scale]);
+    let mut stored = Vec::new();
+    for component in components(&centred, count) {
+        let (bytes, scale) = to_bytes(&component[..]);
+        stored.push(from_bytes(&bytes, scale));
+        vectors.extend(bytes);
+        vector_scales.push(scale);
+    }
+    // Weights on what is stored, one after the other, so that each also mends the rounding of those before.
+    let mut left = centred;
+    let mut weights = vec![Vec::with_capacity(count); members.len()];
+    let mut weight_scales = Vec::with_capacity(count);
+    for component in &stored {
+        let size = dot(&component[..], &component[..]).max(1e-20);
+        let along: Vec<f32> = left.iter().map(|own| dot(&own[..], &component[..]) / size).collect();
+        let (bytes, scale) = to_bytes(&along);
+        weight_scales.push(scale);
+        for ((own, weights), byte) in left.iter_mut().zip(&mut weights).zip(bytes) {
+            let weight = f32::from(byte as i8) * scale;
+            own.iter_mut().zip(component.iter()).for_each(|(x, c)| *x -= weight * c);
+            weights.push(byte);
+        }
+    }
+    let lost = left.iter().map(|own| f64::from(dot(&own[..], &own[..]))).sum();
+    Compressed { vectors, vector_scales, weight_scales, weights, lost }
+}
+
+/// Compresses matrices of some of the `points`; returns the error beside: the root mean square of what is lost relative to
+/// that of the matrices.
+pub(super) fn compressed(points: &[u32], found: &Matrices, components: u32) -> (Gloss, f64) {
+    let all: Vec<&Vector> = found.matrices.iter().map(|matrix| &**matrix).collect();
+    if all.is_empty() {
+        return Default::default();
+    }
+    let count = all.len().div_ceil(PER_CLUSTER).min(MOST_CLUSTERS);
+    let cluster_of = clusters(&all, count);
+    let members = |k: usize| -> Vec<&Vector> {
+        all.iter().zip(&cluster_of).filter(|(_, cluster)| **cluster == k).map(|(vector, _)| *vector).collect()
+    };
+    let packed: Vec<Compressed> =
+        (0..count).into_par_iter().map(|k| compress(&members(k), components as usize)).collect();
+    let power: f64 = all.iter().map(|own| f64::from(dot(&own[..], &own[..]))).sum();
+    let lost: f64 = packed.iter().map(|cluster| cluster.lost).sum();
+    let mut next = vec![0; count];
+    let mut weights = Vec::new();
+    let mut by_point = vec![NO_MATRIX; points.len()];
+    for (point, cluster) in found.points.iter().zip(&cluster_of) {
+        weights.extend(&packed[*cluster].weights[next[*cluster]]);
+        next[*cluster] += 1;
+        if let Ok(place) = points.binary_search(point) {
+            by_point[place] = *cluster as u8;
+        }
+    }
+    let layout = GlossLayout {
+        has_bounces: true,
+        channels: 3,
+        components,
+        vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
+        weight_scales: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
+    };
+    let vectors = packed.into_iter().flat_map(|cluster| cluster.vectors).collect();
+    let gloss = Gloss { layout, points: points.to_vec(), clusters: by_point, weights, vectors };
+    (gloss, (lost / power.max(1e-30)).sqrt())
+}

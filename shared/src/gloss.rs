@@ -1,0 +1,189 @@
+//! Glossy reflection on the CPU, the reference for the GPU: what arrives at points from each direction, and what a glossy
+//! surface makes of it.
+//!
+//! [`GlossyField`] is the light of one frame. At each point of the [glossy transfer](crate::rbn::gloss) it has the
+//! coefficients of arriving radiance, T l with the point's matrix T and the environment's coefficients l, and those of
+//! visibility (Lehtinen et al. 2007, 6.4). Between points they are interpolated as irradiance is.
+//!
+//! [`reflected`] is the light that a lobe sends to the eye. The harmonics are smooth; the environment is not. So what they
+//! leave out of it is added where it is seen:
+//!
+//! ```text
+//! L(ω) = (T l)(ω) + V(ω) (L_env(ω) − l(ω))
+//! ```
+
+use crate::baked::BakedScene;
+use crate::environment::environment_from_world;
+use crate::environment::mips::EnvironmentMips;
+use crate::footprint::tangents;
+use crate::ggx::{LOBE_SAMPLES, alpha, lobe};
+use crate::harmonics::{COUNT, Coefficients, evaluate};
+use crate::rbn::gloss::{Gloss, NO_MATRIX};
+use glam::{Vec3, Vec4};
+
+/// Coefficients of arriving radiance, RGB, and of visibility.
+pub type Arriving = [Vec4; COUNT];
+
+/// Nothing arrives.
+pub const DARK: Arriving = [Vec4::ZERO; COUNT];
+
+/// Light that arrives at points of glossy surfaces.
+#[derive(Clone, Debug, Default)]
+pub struct GlossyField {
+    /// By point of the file, its place among those of the transfer; `u32::MAX` where it has none.
+    places: Vec<u32>,
+    arriving: Vec<Arriving>,
+}
+
+impl GlossyField {
+    /// Applies the transfer of a file to distant radiance with these coefficients.
+    pub fn new(scene: &BakedScene, sky: &Coefficients) -> Self {
+        let gloss = &scene.gloss;
+        if gloss.is_empty() {
+            return Self::default();
+        }
+        let lit: Vec<Arriving> = lit_vectors(gloss, sky);
+        let count = 1 + gloss.layout.components as usize;
+        let mut places = vec![u32::MAX; scene.points.len()];
+        let mut arriving: Vec<Arriving> = Vec::with_capacity(gloss.points.len());
+        let mut matrix = 0;
+        for (place, (point, cluster)) in (0..).zip(gloss.points.iter().zip(&gloss.clusters)) {
+            let mut own = parents_mean(scene, *point as usize, &places, &arriving);
+            if *cluster != NO_MATRIX {
+                let cluster = usize::from(*cluster);
+                let weights = std::iter::once(1.0).chain(gloss.weights_of(matrix, cluster));
+                for (vector, weight) in lit[cluster * count..].iter().zip(weights) {
+                    own.iter_mut().zip(vector).for_each(|(sum, c)| *sum += *c * weight);
+                }
+                matrix += 1;
+            }
+            places[*point as usize] = place;
+            arriving.push(own);
+        }
+        Self { places, arriving }
+    }
+
+    /// Whether there is no transfer.
+    pub fn is_empty(&self) -> bool {
+        self.arriving.is_empty()
+    }
+
+    /// What arrives at a point; `None` where the transfer does not reach.
+    pub fn at(&self, point: usize) -> Option<&Arriving> {
+        self.arriving.get(*self.places.get(point)? as usize)
+    }
+
+    /// The mean over points by their weights, without those that the transfer does not reach; `None` if it reaches none.
+    pub fn mean(&self, weights: &[(u32, f32)]) -> Option<Arriving> {
+        let (mut sum, mut total) = (DARK, 0.0);
+        for (point, weight) in weights {
+            if let Some(at) = self.at(*point as usize) {
+                sum.iter_mut().zip(at).for_each(|(sum, c)| *sum += *c * *weight);
+                total += weight;
+            }
+        }
+        (total > 0.0).then(|| sum.map(|c| c / total))
+    }
+}
+
+/// Mean of the parents of a point, of those that the transfer reaches.
+fn parents_mean(scene: &BakedScene, point: usize, places: &[u32], arriving: &[Arriving]) -> Arriving {
+    let (mut sum, mut total) = (DARK, 0.0);
+    for entry in scene.push().row(point) {
+        if let Some(parent) = arriving.get(places[entry.point()] as usize) {
+            sum.iter_mut().zip(parent).for_each(|(sum, c)| *sum += *c * entry.weight());
+            total += entry.weight();
+        }
+    }
+    if total > 0.0 { sum.map(|c| c / total) } else { DARK }
+}
+
+/// The vectors of all clusters under distant radiance: what arrives for a weight of 1.
+pub fn lit_vectors(gloss: &Gloss, sky: &Coefficients) -> Vec<Arriving> {
+    let count = 1 + gloss.layout.components as usize;
+    let of = |i: usize| {
+        let vector: Vec<f32> = gloss.vector(i / count, i % count).collect();
+        lit_vector(&vector, sky)
+    };
+    (0..gloss.layout.clusters() * count).map(of).collect()
+}
+
+/// A vector of a cluster under distant radiance.
+pub fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
+    let (matrices, visibility) = vector.split_at(vector.len() - COUNT);
+    let (rows, _) = matrices.as_chunks::<COUNT>();
+    std::array::from_fn(|i| {
+        let row = |channel: usize| rows.get(channel * COUNT + i).unwrap_or(&rows[i]);
+        let [red, green, blue] = [row(0), row(1), row(2)];
+        let sum: Vec3 = (0..COUNT).map(|j| Vec3::new(red[j], green[j], blue[j]) * sky[j]).sum();
+        sum.extend(visibility[i])
+    })
+}
+
+/// An environment as it is reflected: without its sun, which is a lamp.
+#[derive(Clone, Debug)]
+pub struct ReflectedSky<'a> {
+    /// Radiance, at several widths.
+    pub mips: &'a EnvironmentMips,
+    /// Rotation about the y axis, degrees.
+    pub rotation_deg: f32,
+    /// Factor, linear RGB.
+    pub factor: Vec3,
+}
+
+impl ReflectedSky<'_> {
+    fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
+        let level = self.mips.level_of(solid_angle);
+        self.factor * self.mips.radiance(environment_from_world(direction, self.rotation_deg), level)
+    }
+}
+
+/// What a lobe sends to the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeLight {
+    /// Radiance for a reflectance of 1 at all angles, without the light that is scattered more than once.
+    pub radiance: Vec3,
+    /// The same with Schlick's (1 − v·h)⁵ as reflectance.
+    pub grazing: Vec3,
+    /// Share of an even light that the lobe reflects at once.
+    pub single: f32,
+}
+
+/// Integrates arriving light over the GGX lobe of a surface with this roughness and unit normal, seen from the unit direction
+/// `to_eye`; `sky` are the coefficients of the `skies` together. All in world space.
+pub fn reflected(
+    arriving: &Arriving,
+    skies: &[ReflectedSky<'_>],
+    sky: &Coefficients,
+    roughness: f32,
+    normal: Vec3,
+    to_eye: Vec3,
+) -> LobeLight {
+    let alpha = alpha(roughness);
+    let (first, second) = tangents(normal);
+    let local = Vec3::new(to_eye.dot(first), to_eye.dot(second), to_eye.dot(normal).max(1e-3)).normalize();
+    let mut out = LobeLight::default();
+    for i in 0..LOBE_SAMPLES {
+        let sample = lobe(alpha, local, i);
+        if sample.weight <= 0.0 {
+            continue;
+        }
+        let l = sample.to_light;
+        let direction = first * l.x + second * l.y + normal * l.z;
+        let solid_angle = 1.0 / (LOBE_SAMPLES as f32 * sample.density);
+        let y = evaluate(direction);
+        let (mut low, mut smooth) = (Vec4::ZERO, Vec3::ZERO);
+        for ((y, c), l) in y.iter().zip(arriving).zip(sky) {
+            low += *c * *y;
+            smooth += *l * *y;
+        }
+        let detail: Vec3 =
+            skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum::<Vec3>() - smooth;
+        let radiance = (low.truncate() + detail * low.w.max(0.0).min(1.0)).max(Vec3::ZERO);
+        out.radiance += radiance * sample.weight;
+        out.grazing += radiance * (sample.weight * (1.0 - sample.cosine).max(0.0).powi(5));
+        out.single += sample.weight;
+    }
+    let share = 1.0 / LOBE_SAMPLES as f32;
+    LobeLight { radiance: out.radiance * share, grazing: out.grazing * share, single: out.single * share }
+}

@@ -1,0 +1,158 @@
+//! Glossy transfer from distant light: what arrives at points of glossy surfaces from each direction. Optional sections;
+//! readers without support show metals as they show other surfaces.
+//!
+//! | section | contents |
+//! |---|---|
+//! | `GLSY` | [`GlossLayout`], bincode 2 standard configuration |
+//! | `GLPT` | indices of the points, ascending |
+//! | `GLCL` | by point, the cluster of its matrix, or [`NO_MATRIX`] |
+//! | `GLWT` | by point with a matrix, its weights: a signed byte a component |
+//! | `GLBS` | by cluster the mean and the components, signed bytes |
+//!
+//! A matrix takes the [coefficients](crate::harmonics) of distant radiance to those of the radiance that arrives at a point,
+//! as the difference from what the point's parents say (Lehtinen et al. 2007, 6.4). A point without a matrix has what its
+//! parents say. Matrices are compressed by clustered principal component analysis (Sloan, Hall, Hart and Snyder, *Clustered
+//! Principal Components for Precomputed Radiance Transfer*, 2003): the mean of a cluster plus weighted components. An entry
+//! is its byte times the scale of its vector.
+//!
+//! A vector has, by channel, the matrix's rows one after the other, and then the coefficients of visibility: 1 where the
+//! distant environment is seen.
+
+use super::RbnError;
+use super::limits::{MAX_BYTES, sane};
+use crate::harmonics::COUNT;
+use bincode::{Decode, Encode};
+
+/// Cluster of points without a matrix.
+pub const NO_MATRIX: u8 = 255;
+/// Maximum number of components of a cluster.
+pub const MAX_COMPONENTS: usize = 64;
+
+/// Sizes and scales.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct GlossLayout {
+    /// Whether matrices hold light that bounced, besides what comes from the environment without a bounce.
+    pub has_bounces: bool,
+    /// Matrices of a point: 1 for all channels, or 3, for red, green and blue.
+    pub channels: u32,
+    /// Components of each cluster.
+    pub components: u32,
+    /// By cluster, the scale of its mean and of each component.
+    pub vector_scales: Vec<f32>,
+    /// By cluster, the scale of the weights of each component.
+    pub weight_scales: Vec<f32>,
+}
+
+impl GlossLayout {
+    /// Entries of a vector.
+    pub fn dimensions(&self) -> usize {
+        self.channels as usize * COUNT * COUNT + COUNT
+    }
+
+    /// Number of clusters.
+    pub fn clusters(&self) -> usize {
+        self.vector_scales.len() / (1 + self.components as usize)
+    }
+}
+
+/// Glossy transfer of a file; empty if it has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gloss {
+    /// Sizes and scales.
+    pub layout: GlossLayout,
+    /// Indices of the points, ascending.
+    pub points: Vec<u32>,
+    /// By point, its cluster.
+    pub clusters: Vec<u8>,
+    /// By point with a matrix, its weights.
+    pub weights: Vec<u8>,
+    /// By cluster, its vectors.
+    pub vectors: Vec<u8>,
+}
+
+impl Gloss {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Number of matrices.
+    pub fn matrices(&self) -> usize {
+        self.clusters.iter().filter(|cluster| **cluster != NO_MATRIX).count()
+    }
+
+    /// A vector of a cluster: 0 the mean, then the components.
+    pub fn vector(&self, cluster: usize, number: usize) -> impl Iterator<Item = f32> {
+        let place = cluster * (1 + self.layout.components as usize) + number;
+        let (size, scale) = (self.layout.dimensions(), self.layout.vector_scales[place]);
+        self.vectors[place * size..][..size].iter().map(move |byte| f32::from(*byte as i8) * scale)
+    }
+
+    /// Weights of the matrix with this number, for a cluster.
+    pub fn weights_of(&self, matrix: usize, cluster: usize) -> impl Iterator<Item = f32> {
+        let count = self.layout.components as usize;
+        let scales = &self.layout.weight_scales[cluster * count..][..count];
+        let bytes = &self.weights[matrix * count..][..count];
+        bytes.iter().zip(scales).map(|(byte, scale)| f32::from(*byte as i8) * scale)
+    }
+}
+
+/// Encodes section `GLSY`.
+///
+/// # Errors
+/// [`RbnError::TooLarge`] past [`MAX_BYTES`].
+pub fn encode(layout: &GlossLayout) -> Result<Vec<u8>, RbnError> {
+    let bytes = bincode::encode_to_vec(layout, bincode::config::standard());
+    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
+    bytes.ok_or_else(|| RbnError::TooLarge("glossy transfer has too many clusters".to_owned()))
+}
+
+/// Decodes section `GLSY`; the caller checks it.
+///
+/// # Errors
+/// [`RbnError::Invalid`].
+pub fn decode(bytes: &[u8]) -> Result<GlossLayout, RbnError> {
+    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
+    match bincode::decode_from_slice::<GlossLayout, _>(bytes, config) {
+        Ok((layout, used)) if used == bytes.len() => Ok(layout),
+        Ok(_) => Err(RbnError::invalid("GLSY", "bytes are left over")),
+        Err(error) => Err(RbnError::invalid("GLSY", error.to_string())),
+    }
+}
+
+/// Checks glossy transfer of unknown origin, for a file with so many points.
+///
+/// # Errors
+/// [`RbnError::Invalid`].
+pub(crate) fn check(gloss: &Gloss, points: usize) -> Result<(), RbnError> {
+    if *gloss == Gloss::default() {
+        return Ok(());
+    }
+    let layout = &gloss.layout;
+    let components = layout.components as usize;
+    if !matches!(layout.channels, 1 | 3) || components > MAX_COMPONENTS {
+        return Err(RbnError::invalid("GLSY", "channels or components"));
+    }
+    let clusters = layout.clusters();
+    let fits = layout.vector_scales.len() == clusters * (1 + components)
+        && layout.weight_scales.len() == clusters * components
+        && clusters < usize::from(NO_MATRIX);
+    if !fits || !layout.vector_scales.iter().chain(&layout.weight_scales).all(|scale| sane(*scale)) {
+        return Err(RbnError::invalid("GLSY", "scales"));
+    }
+    if gloss.vectors.len() != layout.vector_scales.len() * layout.dimensions() {
+        return Err(RbnError::invalid("GLBS", "it does not fit the clusters"));
+    }
+    let ascending = gloss.points.windows(2).all(|pair| pair[0] < pair[1]);
+    if !ascending || gloss.points.last().is_none_or(|last| *last as usize >= points) {
+        return Err(RbnError::invalid("GLPT", "a point is out of order or out of range"));
+    }
+    let known = |cluster: &u8| *cluster == NO_MATRIX || usize::from(*cluster) < clusters;
+    if gloss.clusters.len() != gloss.points.len() || !gloss.clusters.iter().all(known) {
+        return Err(RbnError::invalid("GLCL", "it does not fit the points"));
+    }
+    if gloss.weights.len() != gloss.matrices() * components {
+        return Err(RbnError::invalid("GLWT", "it does not fit the matrices"));
+    }
+    Ok(())
+}
