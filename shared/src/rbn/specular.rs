@@ -68,7 +68,7 @@ impl<C> Decode<C> for SpecularExtras {
 bincode::impl_borrow_decode!(SpecularExtras);
 
 /// Index of a material and its properties, in the order of [`SpecularExtras`].
-type Record = (u32, f32, [f32; 3], f32, f32);
+type SpecularRecord = (u32, f32, [f32; 3], f32, f32);
 
 /// Encodes the section; `None` if every material has the default.
 ///
@@ -78,7 +78,7 @@ pub(crate) fn encode<'a>(
     materials: impl Iterator<Item = &'a SpecularExtras>,
 ) -> Result<Option<Vec<u8>>, RbnError> {
     let some = (0u32..).zip(materials).filter(|(_, specular)| **specular != SpecularExtras::default());
-    let records: Vec<Record> = some
+    let records: Vec<SpecularRecord> = some
         .map(|(number, g)| (number, g.ior, g.specular_color, g.clearcoat, g.clearcoat_roughness))
         .collect();
     if records.is_empty() {
@@ -98,7 +98,7 @@ pub(crate) fn encode<'a>(
 pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut SpecularExtras]) -> Result<(), RbnError> {
     let bad = |problem: String| RbnError::invalid(SECTION, problem);
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    let (records, used): (Vec<Record>, usize) =
+    let (records, used): (Vec<SpecularRecord>, usize) =
         bincode::decode_from_slice(bytes, config).map_err(|error| bad(error.to_string()))?;
     if used != bytes.len() {
         return Err(bad(format!("{} bytes are left over", bytes.len() - used)));
