@@ -14,7 +14,7 @@ const SECTION: &str = "MATG";
 /// Index of refraction that a material has unless its file says another: a reflectance of 0.04.
 pub const DEFAULT_IOR: f32 = 1.5;
 
-/// Index of refraction, specular colour and clearcoat of a material, for pictures. In section `META` the encoding is empty.
+/// Index of refraction, specular colour and clear layer of a material, for pictures. In section `META` the encoding is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpecularExtras {
     /// Index of refraction of what is not metal, at least 1; or 0 for what reflects all light at normal incidence.
@@ -118,10 +118,9 @@ pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut SpecularExtras]) -> Res
 /// # Errors
 /// [`RbnError::Invalid`].
 pub(crate) fn check<'a>(materials: impl Iterator<Item = &'a SpecularExtras>) -> Result<(), RbnError> {
-    match (0..).zip(materials).find(|(_, specular)| !specular.is_sound()) {
+    match (0u32..).zip(materials).find(|(_, specular)| !specular.is_sound()) {
         Some((number, _)) => {
-            let problem: String = format!("material {number} has a number outside its range");
-            Err(RbnError::invalid(SECTION, problem))
+            Err(RbnError::invalid(SECTION, format!("material {number} has a number outside its range")))
         }
         None => Ok(()),
     }
