@@ -6,4 +6,6 @@ mod lightmap;
 mod openness;
 mod rules;
 mod shown;
+#[cfg(feature = "radiosity")]
+mod specular;
 mod versions;

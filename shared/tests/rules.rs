@@ -16,7 +16,7 @@ use rebounce_shared::rbn::{EXTRAS_SECTION, GROUP_SECTIONS, LinkMatrix, MAX_ROW, 
 use rebounce_shared::relight::from_groups;
 
 /// A triangle with a coarse function with a cut, and a fine function without cuts.
-fn scene() -> BakedScene {
+pub fn scene() -> BakedScene {
     let corner = |x: f32, y: f32| Vertex { position: [x, y, 0.0], ..Vertex::default() };
     let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts, tint: 0 };
     let level = |first: u32| Level { first, count: 1, disk_radius: 0.5, support_radius: 1.0 };

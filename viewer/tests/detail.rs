@@ -239,6 +239,48 @@ fn tone_curves_rise_and_stay_in_range() {
     gpu.check().unwrap();
 }
 
+/// A rough wall under a polished clear layer, and under glass of a high index of refraction, in place of the lamp's mirror
+/// image; lit by a point and by a sphere.
+#[cfg(feature = "radiosity")]
+#[test]
+fn a_rough_wall_shines_under_a_clear_layer_and_by_its_index_of_refraction() {
+    use rebounce_shared::rbn::specular::SpecularExtras;
+    let Some(gpu) = common::gpu() else { return };
+    let position = [-0.37, -0.47, 0.7];
+    let lamps =
+        [common::lamp(position), Light::Sphere { position, radius: 0.05, intensity: 80.0, color: [1.0; 3] }];
+    for lamp in lamps {
+        let with = |roughness: f32, specular: f32, extras: SpecularExtras| {
+            let mut scene = common::room(&[3]);
+            scene.meta.lights = vec![lamp.clone()];
+            let wall = &mut scene.meta.materials[WALL];
+            (wall.roughness, wall.specular, wall.specular_extras) = (roughness, specular, extras);
+            wall.base_color = [0.5, 0.5, 0.5, 1.0];
+            let mut renderer = renderer(&gpu, &scene, Mode::Direct);
+            renderer.set_exposure(-2.0).unwrap();
+            let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
+            let at = 4 * ((SIZE / 2) * SIZE + SIZE / 2) as usize;
+            pixels[at..at + 3].iter().map(|c| i32::from(*c)).collect::<Vec<_>>()
+        };
+        let plain = SpecularExtras::default();
+        let coat = SpecularExtras { clearcoat: 1.0, clearcoat_roughness: 0.3, ..plain };
+        let rough = with(1.0, 1.0, plain)[0];
+        assert!(with(1.0, 1.0, coat)[0] > rough + 10, "a clear layer");
+        assert!(with(1.0, 0.0, coat)[0] > with(1.0, 0.0, plain)[0] + 10, "a clear layer over a matt wall");
+        let half = SpecularExtras { clearcoat: 0.5, ..coat };
+        let (all, half) = (with(1.0, 1.0, coat)[0], with(1.0, 1.0, half)[0]);
+        assert!(rough < half && half < all, "half a layer: {rough} {half} {all}");
+        let rougher = SpecularExtras { clearcoat_roughness: 1.0, ..coat };
+        assert!(with(1.0, 1.0, rougher)[0] < all - 10, "a rough layer");
+        let by_ior = [1.0, 1.5, 2.4].map(|ior| with(0.3, 1.0, SpecularExtras { ior, ..plain })[0]);
+        assert!(by_ior[0] + 10 < by_ior[1] && by_ior[1] + 10 < by_ior[2], "{by_ior:?}");
+        let white = with(0.3, 1.0, plain);
+        let red = with(0.3, 1.0, SpecularExtras { specular_color: [1.0, 0.0, 0.0], ..plain });
+        assert!(red[0] > white[0] - 5 && red[1] + 10 < white[1], "a coloured highlight: {red:?}, {white:?}");
+    }
+    gpu.check().unwrap();
+}
+
 /// Integrates the shader's own brdf over the hemisphere for every roughness and eye.
 const FURNACE: &str = "
 @group(0) @binding(0) var<storage, read_write> sums: array<f32>;
@@ -249,7 +291,6 @@ fn furnace(@builtin(global_invocation_id) id: vec3u) {
     let roughness = 0.3 + 0.7 * f32(id.x % 8u) / 7.0;
     let cosine = 0.25 + 0.75 * f32(id.x / 8u % 4u) / 3.0;
     let metallic = f32(id.x / 32u);
-    let look = MaterialRecord(vec3f(0.0), 1.0, metallic, roughness, 0.0, 0.0);
     let to_eye = vec3f(sqrt(1.0 - cosine * cosine), 0.0, cosine);
     var sum = 0.0;
     for (var i = 0u; i < STEPS; i++) {
@@ -258,20 +299,21 @@ fn furnace(@builtin(global_invocation_id) id: vec3u) {
             let sine2 = (f32(i) + 0.5) / f32(STEPS);
             let angle = (f32(j) + 0.5) / f32(STEPS) * 2.0 * PI;
             let to_light = vec3f(sqrt(sine2) * vec2f(cos(angle), sin(angle)), sqrt(1.0 - sine2));
-            sum += PI * brdf(vec3f(1.0), look, vec3f(0.0, 0.0, 1.0), to_light, to_eye, 0.0).x;
+            sum += PI * brdf(vec3f(1.0), LOOK, vec3f(0.0, 0.0, 1.0), to_light, to_eye, 0.0).x;
         }
     }
     sums[id.x] = sum / f32(STEPS * STEPS);
 }";
 
-#[test]
-fn a_white_surface_gives_back_what_arrives() {
-    let Some(gpu) = common::gpu() else { return };
+/// Returns the furnace's sums with this brdf and this expression of a `MaterialRecord`: by roughness (8, from 0.3 to 1), then
+/// by eye (4), then by metalness (0 and 1).
+fn furnace(gpu: &Gpu, brdf: &str, look: &str) -> Vec<f32> {
     let parts = [
         include_str!("../src/shaders/octahedral.wgsl"),
         include_str!("../src/shaders/surface.wgsl"),
-        include_str!("../src/shaders/brdf.wgsl"),
-        FURNACE,
+        include_str!("../src/shaders/lobe.wgsl"),
+        brdf,
+        &FURNACE.replace("LOOK", look),
     ];
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
@@ -304,11 +346,52 @@ fn a_white_surface_gives_back_what_arrives() {
         pass.dispatch_workgroups(1, 1, 1);
     }
     gpu.queue.submit([encoder.finish()]);
-    let readback = rebounce_viewer::readback::Readback::buffer(&gpu, &sums);
-    let sums: Vec<f32> = bytemuck::pod_collect_to_vec(&pollster::block_on(readback.wait()).unwrap());
-    for (i, sum) in sums.iter().enumerate() {
+    let readback = rebounce_viewer::readback::Readback::buffer(gpu, &sums);
+    bytemuck::pod_collect_to_vec(&pollster::block_on(readback.wait()).unwrap())
+}
+
+const BRDF: &str = include_str!("../src/shaders/brdf.wgsl");
+const BRDF_COATED: &str = include_str!("../src/shaders/radiosity/brdf_coated.wgsl");
+
+#[test]
+fn a_white_surface_gives_back_what_arrives() {
+    let Some(gpu) = common::gpu() else { return };
+    let plain = "MaterialRecord(vec3f(0.0), 1.0, metallic, roughness, 0.0, 0.0)";
+    let coatless = "MaterialRecord(vec3f(0.0), 1.0, metallic, roughness, 0.0, 0.0, vec3f(0.04), 0.0)";
+    let [plain, coatless] =
+        [(BRDF, plain), (BRDF_COATED, coatless)].map(|(brdf, look)| furnace(&gpu, brdf, look));
+    for (i, (sum, same)) in plain.iter().zip(coatless).enumerate() {
         let (roughness, eye, metal) = (i % 8, i / 8 % 4, i / 32 == 1);
         assert!((sum - 1.0).abs() < 0.05, "roughness {roughness}, eye {eye}, metal {metal}: {sum}");
+        assert!((sum - same).abs() < 1e-4, "without a clear layer: {sum} {same}");
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
+fn a_white_surface_under_a_clear_layer_or_of_any_index_of_refraction_makes_no_light() {
+    let Some(gpu) = common::gpu() else { return };
+    // Strengths of the layer, its roughness, specular strength and reflectance head on.
+    for (clearcoat, rough, specular, head_on) in [
+        ("1.0", "0.3", "1.0", "0.04"),
+        ("0.5", "0.3", "1.0", "0.04"),
+        ("1.0", "0.6", "1.0", "0.04"),
+        ("1.0", "1.0", "1.0", "0.04"),
+        ("1.0", "roughness", "0.0", "0.0"),
+        ("1.0", "roughness", "1.0", "0.17"),
+        ("0.0", "0.0", "1.0", "0.0"),
+        ("0.0", "0.0", "1.0", "0.17"),
+        ("0.0", "0.0", "1.0", "0.5"),
+        ("0.0", "0.0", "1.0", "1.0"),
+    ] {
+        let look = format!(
+            "MaterialRecord(vec3f(0.0), {specular}, metallic, roughness, 0.0, {clearcoat}, vec3f({head_on}), {rough})"
+        );
+        let sums = furnace(&gpu, BRDF_COATED, &look);
+        let (least, most) = (sums.iter()).fold((f32::MAX, 0.0f32), |(a, b), x| (a.min(*x), b.max(*x)));
+        // Fits of a mirror under white add up.
+        let bound = if head_on == "1.0" { 1.06 } else { 1.045 };
+        assert!(least > 0.95 && most < bound, "{look}: {least} to {most}");
     }
     gpu.check().unwrap();
 }

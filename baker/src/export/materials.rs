@@ -1,6 +1,7 @@
 //! Materials of a .glb file: as they are in the scene, or unlit.
 
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material, Texture, Wrap};
+use rebounce_shared::rbn::specular::DEFAULT_IOR;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -90,8 +91,20 @@ pub(super) fn original(
             "diffuseTransmissionColorFactor": m.extras.scattered_color,
         });
     }
+    let specular = &m.specular_extras;
     if m.specular != 1.0 {
         extensions["KHR_materials_specular"] = json!({ "specularFactor": m.specular });
+    }
+    if specular.specular_color != [1.0; 3] {
+        extensions["KHR_materials_specular"]["specularColorFactor"] = json!(specular.specular_color);
+    }
+    if specular.ior != DEFAULT_IOR {
+        extensions["KHR_materials_ior"] = json!({ "ior": specular.ior });
+    }
+    if specular.clearcoat > 0.0 {
+        extensions["KHR_materials_clearcoat"] = json!({
+            "clearcoatFactor": specular.clearcoat, "clearcoatRoughnessFactor": specular.clearcoat_roughness,
+        });
     }
     let emission: [f32; 3] = std::array::from_fn(|i| m.emission[i] * strength[i]);
     let largest = emission.into_iter().fold(0.0, f32::max);
@@ -112,9 +125,11 @@ pub(super) fn original(
 }
 
 /// The extensions of materials that may be written.
-const EXTENSIONS: [&str; 4] = [
+const EXTENSIONS: [&str; 6] = [
+    "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
 ];
@@ -185,5 +200,30 @@ mod tests {
         assert_eq!(out["emissiveFactor"], json!([1.0, 0.5, 0.25]));
         assert_eq!(out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 4.0);
         assert_eq!(used.into_iter().collect::<Vec<_>>(), ["KHR_materials_emissive_strength"]);
+    }
+
+    #[test]
+    fn specular_extras_are_in_the_extensions_that_they_came_from() {
+        use rebounce_shared::rbn::specular::SpecularExtras;
+        let with = |specular: f32, specular_extras: SpecularExtras| {
+            let mut used = BTreeSet::new();
+            let material = Material { specular, specular_extras, ..Material::default() };
+            let out = original(&material, [0.0; 3], |_| 0, &mut used);
+            (out["extensions"].clone(), used.into_iter().collect::<Vec<_>>())
+        };
+        assert_eq!(with(1.0, SpecularExtras::default()), (Value::Null, vec![]));
+        let extras = SpecularExtras {
+            ior: 1.25,
+            specular_color: [0.5, 1.0, 2.0],
+            clearcoat: 0.75,
+            clearcoat_roughness: 0.25,
+        };
+        let expected = json!({
+            "KHR_materials_specular": { "specularColorFactor": [0.5, 1.0, 2.0] },
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25 },
+        });
+        let names = ["KHR_materials_clearcoat", "KHR_materials_ior", "KHR_materials_specular"];
+        assert_eq!(with(1.0, extras), (expected, names.to_vec()));
     }
 }

@@ -21,6 +21,8 @@ use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
+#[cfg(feature = "radiosity")]
+use crate::rbn::specular;
 use crate::rbn::{RbnError, container, extras, shown};
 use glam::Vec3;
 use std::ops::Range;
@@ -82,7 +84,7 @@ use crate::rbn::{
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
 #[cfg(feature = "radiosity")]
-use crate::rbn::{GLOSS_SECTIONS, LIGHTMAP_SECTIONS};
+use crate::rbn::{GLOSS_SECTIONS, LIGHTMAP_SECTIONS, SPECULAR_SECTION};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -240,6 +242,11 @@ impl BakedScene {
         }
         let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let specular =
+            specular::encode(self.meta.materials.iter().map(|material| &material.specular_extras))?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(specular.iter().map(|bytes| (SPECULAR_SECTION, bytes.as_slice())));
         let openness = packed_bytes(&self.openness);
         let reflectance = packed_bytes(&self.reflectance);
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
@@ -392,12 +399,18 @@ impl BakedScene {
         Ok(GLOSS_SECTIONS.into_iter().zip(sections).collect())
     }
 
-    /// Reads the sections of fixed solutions, of lightmaps, of glossy transfer, of groups and of reflectances.
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy transfer, of groups and of
+    /// reflectances.
     fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
         bytes: &dyn Fn([u8; 4]) -> Result<&'f [u8], RbnError>,
     ) -> Result<(), RbnError> {
+        if has(SPECULAR_SECTION) {
+            let materials = self.meta.materials.iter_mut();
+            let mut all: Vec<_> = materials.map(|material| &mut material.specular_extras).collect();
+            specular::decode(bytes(SPECULAR_SECTION)?, &mut all)?;
+        }
         if GROUP_SECTIONS.into_iter().any(has) {
             self.light_groups = LightGroups {
                 groups: light_groups::decode(bytes(*b"LGRP")?)?,

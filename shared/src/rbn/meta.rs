@@ -6,6 +6,8 @@ use super::RbnError;
 use super::extras::Extras;
 pub use super::limits::MAX_BYTES;
 use super::shown::Shown;
+#[cfg(feature = "radiosity")]
+use super::specular::SpecularExtras;
 pub use super::texture::DetailTexture;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
@@ -116,6 +118,9 @@ pub struct Material {
     pub normal_scale: f32,
     /// Optional properties; not in section `META`.
     pub extras: Extras,
+    /// How the surface shines besides; not in section `META`.
+    #[cfg(feature = "radiosity")]
+    pub specular_extras: SpecularExtras,
 }
 
 impl Default for Material {
@@ -136,6 +141,8 @@ impl Default for Material {
             normal_texture: None,
             normal_scale: 1.0,
             extras: Extras::default(),
+            #[cfg(feature = "radiosity")]
+            specular_extras: SpecularExtras::default(),
         }
     }
 }

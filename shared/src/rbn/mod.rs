@@ -2,7 +2,7 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
-//! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
+//! * [`extras`] and `specular` – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
 //! * `gloss` – glossy transfer from distant light;
@@ -29,6 +29,8 @@ pub mod meta;
 pub mod node_tracks;
 pub mod shown;
 pub mod sources;
+#[cfg(feature = "radiosity")]
+pub mod specular;
 mod texture;
 
 pub use limits::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
@@ -41,6 +43,9 @@ pub const SECTIONS: [[u8; 4]; 8] =
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 /// Name of the optional section of material [extras], after the sections above.
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
+/// Name of the optional section of how materials shine, after the sections above.
+#[cfg(feature = "radiosity")]
+pub const SPECULAR_SECTION: [u8; 4] = *b"MATG";
 /// Name of the optional section of the points' openness, after the sections above.
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 /// Names of the optional sections of [sources] and of their links, after the sections above.

@@ -120,7 +120,7 @@ pub struct PictureSources<'a> {
     pub slots: &'a SlotBuffers,
     /// Blended surfaces, if present.
     pub veil: Option<&'a Veil>,
-    /// `MaterialRecord` of surface.wgsl for every material.
+    /// `MaterialRecord` of the shaders for every material.
     pub looks: &'a wgpu::Buffer,
     /// The exposure buffer from [`key`].
     pub key: &'a wgpu::Buffer,

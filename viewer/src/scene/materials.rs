@@ -40,7 +40,7 @@ struct Record {
     scattered_color: [f32; 4],
 }
 
-/// `MaterialRecord` in surface.wgsl.
+/// `MaterialRecord` in brdf.wgsl, or in brdf_coated.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct MaterialRecord {
@@ -49,7 +49,14 @@ struct MaterialRecord {
     metallic: f32,
     roughness: f32,
     unlit: f32,
+    #[cfg(not(feature = "radiosity"))]
     pad: f32,
+    #[cfg(feature = "radiosity")]
+    clearcoat: f32,
+    #[cfg(feature = "radiosity")]
+    head_on: [f32; 3],
+    #[cfg(feature = "radiosity")]
+    clearcoat_roughness: f32,
 }
 
 impl Record {
@@ -98,7 +105,7 @@ pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 pub struct Materials {
     /// One bind group per material.
     pub groups: Vec<wgpu::BindGroup>,
-    /// `MaterialRecord` of surface.wgsl for every material.
+    /// `MaterialRecord` of the shaders for every material.
     pub looks: wgpu::Buffer,
     records: Vec<MaterialRecord>,
     /// Group of emissive surfaces of each material.
@@ -148,7 +155,14 @@ impl Materials {
             metallic: m.metallic,
             roughness: m.roughness,
             unlit: m.extras.unlit as u32 as f32,
+            #[cfg(not(feature = "radiosity"))]
             pad: 0.0,
+            #[cfg(feature = "radiosity")]
+            clearcoat: m.specular_extras.clearcoat,
+            #[cfg(feature = "radiosity")]
+            head_on: m.specular_extras.head_on(m.specular).to_array(),
+            #[cfg(feature = "radiosity")]
+            clearcoat_roughness: m.specular_extras.clearcoat_roughness,
         };
         let own_looks: Vec<MaterialRecord> = materials.iter().map(look).collect();
         let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&own_looks));

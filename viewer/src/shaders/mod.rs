@@ -41,14 +41,14 @@ modules! {
     /// Blended surfaces, layer by layer.
     #[cfg(feature = "radiosity")]
     BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_blended" "at_rest" "lights" "lights_third"
-        "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
+        "area" "visibility" "penumbra" "tilt" "surface" "lobe" "brdf_coated" "reflect" "blended";
     /// The functions that cover each pixel.
     #[cfg(feature = "radiosity")]
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_find" "at_rest" "frame" "place" "group" "slots" "openness" "find";
     /// Blended surfaces, layer by layer.
     #[cfg(not(feature = "radiosity"))]
     BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "one_group" "through" "lights" "lights_third"
-        "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
+        "area" "visibility" "penumbra" "tilt" "surface" "lobe" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     #[cfg(not(feature = "radiosity"))]
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "one_group" "frame" "place" "slots" "openness" "find";
@@ -72,24 +72,24 @@ modules! {
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
     #[cfg(feature = "radiosity")]
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "backdrop" "fullscreen" "composite";
     /// The tone-mapped picture.
     #[cfg(not(feature = "radiosity"))]
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
     #[cfg(feature = "radiosity")]
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "look";
     /// Luminance of some pixels.
     #[cfg(not(feature = "radiosity"))]
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
     #[cfg(feature = "radiosity")]
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "charted" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "fullscreen" "indirect";
     /// Bounced light alone.
     #[cfg(not(feature = "radiosity"))]
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.

@@ -1,17 +1,5 @@
 // What the G-buffer says about a pixel's surface.
 
-struct MaterialRecord {
-    // Linear RGB radiance that the surface sends out by itself.
-    emission: vec3f,
-    // Strength of the highlights of what is not metal.
-    specular: f32,
-    metallic: f32,
-    roughness: f32,
-    // 1 where the picture shows the albedo as it is.
-    unlit: f32,
-    pad: f32,
-}
-
 struct Surface {
     // Shading normal, that of the normal map, and that of the triangle.
     normal: vec3f,

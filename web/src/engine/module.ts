@@ -9,8 +9,11 @@ const WASM = "sha256-of-the-wasm";
 
 let loading: Promise<unknown> | undefined;
 
-/** Whether a file's bounced light comes not from links alone: its table of sections names others (docs/format/rbn.md). */
-export const wantsRadiosity = (file: Uint8Array): boolean => /LGRP|[MR]GRP|REFL/.test(String.fromCharCode(...file.subarray(32, 2080)));
+/**
+ * Whether a file is for the renderer of all files, by its table of sections (docs/format/rbn.md): its bounced light comes not
+ * from links alone, or its materials have an index of refraction, a specular colour or a clear layer.
+ */
+export const wantsRadiosity = (file: Uint8Array): boolean => /[LMR]GRP|REFL|MATG/.test(String.fromCharCode(...file.subarray(32, 2080)));
 
 /** A viewer; that of all files has nodes that move, too. */
 export type Viewer = Linked & { moving?: Moving };

@@ -5,8 +5,8 @@ use crate::scene::SceneError;
 use gltf::json::Root;
 use std::collections::BTreeSet;
 
-/// Extensions that a file may require: supported extensions, and extensions that change only glossy reflection, which a
-/// Lambertian surface ignores.
+/// Extensions that a file may require: supported extensions, and extensions that change only highlights and refraction, which
+/// pictures can do without.
 const FINE: [&str; 26] = [
     "EXT_lights_area",
     "EXT_lights_image_based",
@@ -37,11 +37,9 @@ const FINE: [&str; 26] = [
 ];
 
 /// The ignored extensions of `FINE`.
-const IGNORED: [&str; 6] = [
+const IGNORED: [&str; 4] = [
     "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
-    "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
 ];
@@ -67,7 +65,7 @@ pub(super) fn unread(root: &Root) -> Vec<String> {
     }
     if !ignored.is_empty() {
         out.push(format!(
-            "{}: they change how surfaces shine, which a bake does not hold",
+            "{}: not read; they change how surfaces shine or refract, and not how light bounces",
             ignored.join(", ")
         ));
     }

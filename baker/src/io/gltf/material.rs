@@ -3,6 +3,7 @@
 use super::document::Extensible;
 use super::picture::{check_sizes, image_index, picture, sampled};
 use super::source::Source;
+use super::specular::Shine;
 use super::texture_info::{TextureInfo, UvSource};
 use super::transmission::{self, DiffuseTransmission, TransmissionFactors};
 use crate::scene::needed;
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
+use rebounce_shared::rbn::specular::SpecularExtras;
 use std::collections::{HashMap, HashSet};
 
 /// Surface parameters, from metallic-roughness or specular-glossiness.
@@ -123,15 +125,14 @@ impl<'a> Materials<'a> {
             return Err(source.malformed(format!("material {index} ({name:?}) {problem}")));
         }
         let shine = [pbr.metallic, pbr.roughness];
-        let specular = extensions.and_then(|e| e.specular.as_ref());
-        let specular = specular.map_or(1.0, |s| s.specular_factor.0);
         let normal_scale = m.normal_texture.as_ref().map_or(1.0, |t| t.scale);
         let cutoff = m.alpha_cutoff.unwrap_or_default().0;
-        if !shine.iter().chain([&specular, &normal_scale, &cutoff]).all(usable) {
+        if !shine.iter().chain([&normal_scale, &cutoff]).all(usable) {
             let problem = "has a factor that is not finite, or far too large";
             return Err(source.malformed(format!("material {index} ({name:?}) {problem}")));
         }
         let read = |problem: String| source.malformed(format!("material {index} ({name:?}) {problem}"));
+        let Shine { specular, extras: specular_extras, left_out } = Shine::new(m).map_err(read)?;
         let normal = m.normal_texture.as_ref().map(TextureInfo::of_normals).transpose().map_err(read)?;
         let emissive = m.emissive_texture.as_ref().map(TextureInfo::new);
         let [base, shiny] = [pbr.base_color_texture, pbr.metallic_roughness_texture];
@@ -150,6 +151,9 @@ impl<'a> Materials<'a> {
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Alpha::Opaque,
         };
         let is_unlit = extensions.is_some_and(|e| e.unlit.is_some());
+        for what in left_out.into_iter().filter(|_| !is_unlit) {
+            self.left_out.push(format!("the {what} texture of material {name:?}: its factor is taken"));
+        }
         let extras = if is_unlit {
             Extras { unlit: true, ..Extras::default() }
         } else {
@@ -170,10 +174,11 @@ impl<'a> Materials<'a> {
             metallic: shine[0].clamp(0.0, 1.0),
             roughness: shine[1].clamp(0.0, 1.0),
             metallic_roughness_texture,
-            specular: if is_unlit { 0.0 } else { specular.clamp(0.0, 1.0) },
+            specular: if is_unlit { 0.0 } else { specular },
             normal_texture,
             normal_scale,
             extras,
+            specular_extras: if is_unlit { SpecularExtras::default() } else { specular_extras },
         };
         Ok((material, uv))
     }

@@ -3,7 +3,7 @@
 //! * `document`, `exact`, `repair` – JSON: parsing by the `gltf` crate, values that the crate loses, malformed input;
 //!   `container`, `source`, `beside` – bytes of buffers and images; `accessor` – accessor elements;
 //! * `meshopt`, `draco` – decompression; `extensions` – supported and refused extensions;
-//! * `material`, `texture_info`, `transmission` – materials, texture references, transmission; `picture` – image
+//! * `material`, `texture_info`, `specular`, `transmission` – materials, texture references, highlights, transmission; `picture` – image
 //!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
@@ -42,6 +42,7 @@ mod punctual;
 mod repair;
 mod rest;
 mod source;
+mod specular;
 mod texture_info;
 mod transmission;
 

@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{gloss, groups, light_groups, lightmap};
+use crate::rbn::{gloss, groups, light_groups, lightmap, specular};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -87,6 +87,8 @@ impl BakedScene {
         let later = self.later_count();
         check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
         check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
+        #[cfg(feature = "radiosity")]
+        specular::check(m.materials.iter().map(|material| &material.specular_extras))?;
         #[cfg(feature = "radiosity")]
         self.check_groups()?;
         sources::check(&self.sources, m.materials.len())?;
