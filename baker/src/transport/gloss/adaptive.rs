@@ -4,7 +4,7 @@
 
 use super::GlossSettings;
 use super::glossy_points::GlossyPoints;
-use super::matrix::{DIMENSIONS, Gather, MatrixVector};
+use super::matrix::{DIMENSIONS, MatrixGather, MatrixVector};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use rayon::prelude::*;
@@ -41,14 +41,14 @@ fn difference(a: &[f32; DIMENSIONS], b: &[f32; DIMENSIONS]) -> MatrixVector {
 
 /// A level's matrices as they are, and whether each was refined.
 #[derive(Default)]
-struct Known {
+struct LevelMatrices {
     /// By point.
     whole: HashMap<u32, MatrixVector>,
     /// Points whose difference from their parents is over ε.
     differs: HashMap<u32, bool>,
 }
 
-impl Known {
+impl LevelMatrices {
     /// The mean of the parents of a point.
     fn parents_mean(&self, file: &BakedScene, point: usize) -> MatrixVector {
         let (mut sum, mut total) = (Box::new([0.0; DIMENSIONS]), 0.0);
@@ -69,14 +69,14 @@ impl Known {
 /// # Errors
 /// [`Stopped`].
 pub(super) fn matrices<S: Surfaces + ?Sized>(
-    gather: &Gather<'_, S>,
+    gather: &MatrixGather<'_, S>,
     file: &BakedScene,
     glossy: &GlossyPoints,
     settings: &GlossSettings,
     watch: &dyn Watch,
 ) -> Result<Matrices, Stopped> {
     let mut out = Matrices { points: Vec::new(), matrices: Vec::new(), rays: 0 };
-    let mut known = Known::default();
+    let mut known = LevelMatrices::default();
     let mut is_first = true;
     for (level, range) in glossy.levels.windows(2).map(|pair| pair[0]..pair[1]).enumerate() {
         let points = &glossy.points[range];
@@ -110,8 +110,8 @@ pub(super) fn matrices<S: Surfaces + ?Sized>(
                 }
             }
         };
-        type Computed = (u32, MatrixVector, Option<MatrixVector>, u64);
-        let compute = |point: &u32| -> Computed {
+        type PointMatrix = (u32, MatrixVector, Option<MatrixVector>, u64);
+        let compute = |point: &u32| -> PointMatrix {
             let mean = known.parents_mean(file, *point as usize);
             if !(is_first || is_refined(*point)) {
                 return (*point, mean, None, 0);
@@ -120,9 +120,9 @@ pub(super) fn matrices<S: Surfaces + ?Sized>(
             let own = difference(&matrix, &mean);
             (*point, matrix, Some(own), rays)
         };
-        let mut next = Known::default();
+        let mut next = LevelMatrices::default();
         for part in points.chunks(CHUNK * rayon::current_num_threads()) {
-            let computed: Vec<Computed> = part.par_iter().map(compute).collect();
+            let computed: Vec<PointMatrix> = part.par_iter().map(compute).collect();
             watch.step(part.len() as u64)?;
             for (point, whole, own, rays) in computed {
                 out.rays += rays;

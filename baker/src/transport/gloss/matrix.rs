@@ -25,7 +25,7 @@ pub(super) const DIMENSIONS: usize = 3 * COUNT * COUNT + COUNT;
 pub(super) type MatrixVector = Box<[f32; DIMENSIONS]>;
 
 /// Computes matrices.
-pub(super) struct Gather<'a, S: ?Sized> {
+pub(super) struct MatrixGather<'a, S: ?Sized> {
     surfaces: &'a S,
     points: &'a Points,
     irradiance: SkyIrradiance,
@@ -51,7 +51,7 @@ fn mirrored(direction: Vec3, normal: Vec3) -> Vec3 {
     direction - 2.0 * direction.dot(normal) * normal
 }
 
-impl<'a, S: Surfaces + ?Sized> Gather<'a, S> {
+impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
     /// Prepares the directions.
     pub fn new(
         surfaces: &'a S,

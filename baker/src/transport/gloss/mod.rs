@@ -24,7 +24,7 @@ use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;
 use glossy_points::GlossyPoints;
-use matrix::Gather;
+use matrix::MatrixGather;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::gloss::Gloss;
 use sky_irradiance::SkyIrradiance;
@@ -49,7 +49,7 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
         return Ok(Default::default());
     }
     let irradiance = SkyIrradiance::new(file);
-    let gather = Gather::new(surfaces, points, irradiance, settings);
+    let gather = MatrixGather::new(surfaces, points, irradiance, settings);
     let found = adaptive::matrices(&gather, file, &glossy, settings, watch)?;
     let mut report = GlossReport {
         points: glossy.points.len() as u64,
