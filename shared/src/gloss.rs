@@ -15,8 +15,7 @@
 //! Where matrices hold light that did not bounce, too, the environment adds what harmonics leave out of it, L_env − l.
 
 use crate::baked::BakedScene;
-use crate::environment::environment_from_world;
-use crate::environment::mips::EnvironmentMips;
+use crate::environment::reflection::ReflectedSky;
 use crate::footprint::tangents;
 use crate::ggx::{LOBE_SAMPLES, alpha, lobe};
 use crate::harmonics::{COUNT, Coefficients, evaluate, value};
@@ -127,24 +126,6 @@ pub fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
         let sum: Vec3 = (0..COUNT).map(|j| Vec3::new(red[j], green[j], blue[j]) * sky[j]).sum();
         sum.extend(visibility[i])
     })
-}
-
-/// An environment as it is reflected: without its sun, which is a lamp.
-#[derive(Clone, Debug)]
-pub struct ReflectedSky<'a> {
-    /// Radiance, at several widths.
-    pub mips: &'a EnvironmentMips,
-    /// Rotation about the y axis, degrees.
-    pub rotation_deg: f32,
-    /// Factor, linear RGB.
-    pub factor: Vec3,
-}
-
-impl ReflectedSky<'_> {
-    fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
-        let level = self.mips.level_of(solid_angle);
-        self.factor * self.mips.radiance(environment_from_world(direction, self.rotation_deg), level)
-    }
 }
 
 /// What a lobe sends to the eye.

@@ -5,11 +5,11 @@ mod prepared;
 pub use prepared::PreparedEnvironment;
 
 use crate::environment::bins::BINS;
+#[cfg(feature = "radiosity")]
+use crate::environment::reflection::{ReflectedSky, Reflection};
+#[cfg(feature = "radiosity")]
+use crate::environment::world_from_environment;
 use crate::environment::{Environment, environment_from_world};
-#[cfg(feature = "radiosity")]
-use crate::environment::{reflection::Reflection, world_from_environment};
-#[cfg(feature = "radiosity")]
-use crate::gloss::ReflectedSky;
 #[cfg(feature = "radiosity")]
 use crate::harmonics::{COUNT, Coefficients, evaluate, rotation::Rotation};
 #[cfg(feature = "radiosity")]

@@ -2,7 +2,7 @@
 
 use super::mips::{EnvironmentMips, MIPS_WIDTH};
 use super::picture::band;
-use super::{Environment, direction_at, extract_sun};
+use super::{Environment, direction_at, environment_from_world, extract_sun};
 use crate::harmonics::{COUNT, Coefficients, evaluate};
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
@@ -64,10 +64,29 @@ impl Reflection {
     }
 }
 
+/// An environment as it is reflected: without its sun, which is a lamp.
+#[derive(Clone, Debug)]
+pub struct ReflectedSky<'a> {
+    /// Radiance, at several widths.
+    pub mips: &'a EnvironmentMips,
+    /// Rotation about the y axis, degrees.
+    pub rotation_deg: f32,
+    /// Factor, linear RGB.
+    pub factor: Vec3,
+}
+
+impl ReflectedSky<'_> {
+    /// Radiance from a unit direction of world space, over about this solid angle, sr; W/(sr m²).
+    pub fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
+        let level = self.mips.level_of(solid_angle);
+        self.factor * self.mips.radiance(environment_from_world(direction, self.rotation_deg), level)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::{environment_from_world, world_from_environment};
+    use crate::environment::world_from_environment;
     use crate::harmonics::rotation::Rotation;
     use crate::harmonics::value;
     use crate::random::Stream;
