@@ -17,7 +17,7 @@
 use crate::baked::BakedScene;
 use crate::environment::reflection::ReflectedSky;
 use crate::footprint::tangents;
-use crate::ggx::{LOBE_SAMPLES, alpha, lobe};
+use crate::ggx::{LOBE_SAMPLES, alpha, lobe, multiple_scattering};
 use crate::harmonics::{COUNT, Coefficients, evaluate, value};
 use crate::lighting::Lighting;
 use crate::rbn::gloss::{Gloss, NO_MATRIX};
@@ -128,15 +128,40 @@ pub fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
     })
 }
 
-/// What a lobe sends to the eye.
+/// Reflectance of a surface by angle (Schlick 1994), linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fresnel {
+    /// At normal incidence.
+    pub head_on: Vec3,
+    /// At a grazing angle.
+    pub grazing: Vec3,
+}
+
+/// Integrals over a lobe: by Schlick's formula a reflectance is linear in these.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeLight {
-    /// Radiance for a reflectance of 1 at all angles, without the light that is scattered more than once.
+    /// Radiance for a reflectance of 1 at every angle.
     pub radiance: Vec3,
-    /// The same with Schlick's (1 − v·h)⁵ as reflectance.
-    pub grazing: Vec3,
-    /// Share of an even light that the lobe reflects at once.
-    pub single: f32,
+    /// The same with (1 − v·h)⁵ as reflectance.
+    pub glancing: Vec3,
+    /// Shares of an even light, likewise.
+    pub shares: [f32; 2],
+}
+
+impl LobeLight {
+    /// Radiance that the surface sends to the eye, with the light that it scatters more than once.
+    pub fn reflected(&self, fresnel: &Fresnel) -> Vec3 {
+        let Fresnel { head_on, grazing } = *fresnel;
+        let again = multiple_scattering(head_on, self.shares[0]);
+        again * (head_on * (self.radiance - self.glancing) + grazing * self.glancing)
+    }
+
+    /// Share of light that is left for what is below the reflecting surface.
+    pub fn left(&self, fresnel: &Fresnel) -> f32 {
+        let [all, glancing] = self.shares;
+        let (radiance, glancing) = (Vec3::splat(all), Vec3::splat(glancing));
+        (1.0 - Self { radiance, glancing, ..*self }.reflected(fresnel).max_element()).max(0.0)
+    }
 }
 
 impl GlossyField {
@@ -170,10 +195,17 @@ impl GlossyField {
             let visibility = low.w.clamp(0.0, 1.0);
             let radiance = (low.truncate() + (seen - smooth) * visibility).max(Vec3::ZERO);
             out.radiance += radiance * sample.weight;
-            out.grazing += radiance * (sample.weight * (1.0 - sample.cosine).max(0.0).powi(5));
-            out.single += sample.weight;
+            let glancing = (1.0 - sample.cosine).max(0.0).powi(5);
+            out.glancing += radiance * (sample.weight * glancing);
+            out.shares[0] += sample.weight;
+            out.shares[1] += sample.weight * glancing;
         }
         let share = 1.0 / LOBE_SAMPLES as f32;
-        LobeLight { radiance: out.radiance * share, grazing: out.grazing * share, single: out.single * share }
+        let LobeLight { radiance, glancing, shares } = out;
+        LobeLight {
+            radiance: radiance * share,
+            glancing: glancing * share,
+            shares: shares.map(|sum| sum * share),
+        }
     }
 }

@@ -26,11 +26,11 @@ pub struct EnvironmentMips {
 }
 
 impl EnvironmentMips {
-    /// Makes the levels of an environment, down to a row of two pixels. The finest is not blurred.
+    /// Makes the levels of an environment, down to a row of two or three pixels. The finest is not blurred.
     pub fn new(environment: &Environment) -> Self {
         let mut levels = vec![environment.coarse(MIPS_WIDTH)];
-        while let Some(last) = levels.last().filter(|last| last.width > 2) {
-            let next = last.coarse((last.width / 2).max(2));
+        while let Some(last) = levels.last().filter(|last| last.width > 3) {
+            let next = last.coarse(last.width / 2);
             levels.push(next);
         }
         for level in levels.iter_mut().skip(1) {
@@ -111,7 +111,7 @@ mod tests {
         let pixels = (0..100 * 50).map(|_| stream.sphere().abs()).collect();
         let environment = Environment { width: 100, height: 50, pixels };
         let mips = EnvironmentMips::new(&environment);
-        assert_eq!(mips.levels.last().map(|level| level.width), Some(2));
+        assert_eq!(mips.levels.last().map(|level| level.width), Some(3));
         for level in &mips.levels {
             let ratio = level.energy() / environment.energy();
             assert!((ratio - 1.0).abs().max_element() < 0.03, "{}: {ratio}", level.width);

@@ -33,6 +33,8 @@ pub const MAX_COMPONENTS: usize = 64;
 pub struct GlossLayout {
     /// Whether matrices hold light that comes from the environment without a bounce, besides what bounced.
     pub has_direct: bool,
+    /// Roughness from which metals, and what is not metal, have no reflections.
+    pub roughness: [f32; 2],
     /// Matrices of a point: 1 for all channels, or 3, for red, green and blue.
     pub channels: u32,
     /// Components of each cluster.
@@ -137,7 +139,14 @@ pub(crate) fn check(gloss: &Gloss, points: usize) -> Result<(), RbnError> {
     let fits = layout.vector_scales.len() == clusters * (1 + components)
         && layout.weight_scales.len() == clusters * components
         && clusters < usize::from(NO_MATRIX);
-    if !fits || !layout.vector_scales.iter().chain(&layout.weight_scales).all(|scale| sane(*scale)) {
+    if !fits
+        || !layout
+            .vector_scales
+            .iter()
+            .chain(&layout.weight_scales)
+            .chain(&layout.roughness)
+            .all(|x| sane(*x))
+    {
         return Err(RbnError::invalid("GLSY", "scales"));
     }
     if gloss.vectors.len() != layout.vector_scales.len() * layout.dimensions() {

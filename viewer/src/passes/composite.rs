@@ -72,6 +72,10 @@ pub const SMOOTH: u32 = 128;
 #[cfg(feature = "radiosity")]
 pub const CHARTED: u32 = 256;
 
+/// The file has glossy transfer, and all light is shown.
+#[cfg(feature = "radiosity")]
+pub const GLOSSY: u32 = 512;
+
 /// The pipelines.
 pub struct CompositePass {
     layout: wgpu::BindGroupLayout,
@@ -133,6 +137,9 @@ pub struct PictureSources<'a> {
     /// Light of the lightmap, if there is one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Option<&'a wgpu::TextureView>,
+    /// Reflections of glossy surfaces, if there are any.
+    #[cfg(feature = "radiosity")]
+    pub reflections: Option<&'a wgpu::TextureView>,
 }
 
 /// The averaged picture of one size, and its bind groups.
@@ -166,6 +173,8 @@ impl CompositePass {
                 Slot::Uniform,
                 Slot::Texture,
                 Slot::Sampler,
+                #[cfg(feature = "radiosity")]
+                Slot::TextureLoad,
                 #[cfg(feature = "radiosity")]
                 Slot::TextureLoad,
             ]
@@ -238,6 +247,8 @@ impl CompositePass {
             wgpu::BindingResource::Sampler(&self.around),
             #[cfg(feature = "radiosity")]
             view(from.lightmap.unwrap_or(unread)),
+            #[cfg(feature = "radiosity")]
+            view(from.reflections.unwrap_or(unread)),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();

@@ -5,6 +5,7 @@
 //! * `cached_direct` – the lights whose direct light at the points is evaluated anew;
 //! * `gbuffer` – albedo, normals, material and depth of the visible surfaces;
 //! * `display` – from points to pixels; `lightmap` – from a lightmap to pixels;
+//! * `reflections` – what glossy surfaces reflect;
 //! * `blended` – glass, curtains, decals;
 //! * `composite` – shading, exposure, tone mapping;
 //! * `overlay` – points and handles over the picture.
@@ -19,6 +20,8 @@ pub mod gbuffer;
 #[cfg(feature = "radiosity")]
 pub mod lightmap;
 pub mod overlay;
+#[cfg(feature = "radiosity")]
+pub mod reflections;
 pub mod settings;
 pub mod shadow;
 pub mod timing;

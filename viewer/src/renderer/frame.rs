@@ -51,6 +51,8 @@ impl Renderer {
         if moved {
             self.dirty.display = true;
             self.update_relight(encoder, scene);
+            #[cfg(feature = "radiosity")]
+            self.update_gloss(encoder, scene);
         }
     }
 
@@ -185,6 +187,8 @@ impl Renderer {
             let frame = (&target.frame_group, &self.pipelines.gbuffer.frame_layout);
             self.pipelines.lightmap.draw(&self.gpu, encoder, to, gbuffer, frame, upload, lightmap);
         }
+        #[cfg(feature = "radiosity")]
+        self.draw_reflections(encoder, scene, target);
     }
 
     /// Draws the layers of blended surfaces with the picture's settings; no effect without blended surfaces.
@@ -237,6 +241,12 @@ impl Renderer {
         let skies = if self.mode == Mode::Indirect { Vec::new() } else { self.skies() };
         #[cfg(feature = "radiosity")]
         let charted = flag(scene.is_some_and(|scene| scene.lightmap.is_some()), composite::CHARTED);
+        #[cfg(feature = "radiosity")]
+        let charted = charted
+            | flag(
+                self.mode == Mode::All && scene.is_some_and(|scene| scene.gloss.is_some()),
+                composite::GLOSSY,
+            );
         #[cfg(not(feature = "radiosity"))]
         let charted = 0;
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);

@@ -4,6 +4,7 @@
 //! * `state` – settings: camera, exposure, mode, overlay;
 //! * `lighting` – lights, environment;
 //! * `frame` – the passes;
+//! * `gloss` – reflections of glossy surfaces;
 //! * `moving` – nodes that move;
 //! * `read` – pictures read back;
 //! * `pipelines` – the pipelines of all passes, once a device;
@@ -12,6 +13,8 @@
 //! * `pace` – one frame at a time.
 
 mod frame;
+#[cfg(feature = "radiosity")]
+mod gloss;
 mod lighting;
 #[cfg(feature = "radiosity")]
 mod moving;
@@ -99,6 +102,9 @@ pub struct Renderer {
     overlay: Overlay,
     gizmos: bool,
     backdrop: bool,
+    /// Metals are GGX conductors of constant reflectance, and nothing else shines.
+    #[cfg(feature = "radiosity")]
+    conductors: bool,
     detail: bool,
     every_pixel: bool,
     antialias: bool,
@@ -170,6 +176,8 @@ impl Renderer {
             overlay: Overlay::None,
             gizmos: true,
             backdrop: true,
+            #[cfg(feature = "radiosity")]
+            conductors: false,
             detail: true,
             every_pixel: false,
             way: Way::default(),

@@ -9,8 +9,12 @@ use crate::passes::gbuffer::GBufferPass;
 #[cfg(feature = "radiosity")]
 use crate::passes::lightmap::LightmapPass;
 use crate::passes::overlay::OverlayPass;
+#[cfg(feature = "radiosity")]
+use crate::passes::reflections::ReflectionsPass;
 use crate::passes::shadow::ShadowPipelines;
 use crate::scene::Loaders;
+#[cfg(feature = "radiosity")]
+use crate::scene::gloss::GlossKernels;
 use crate::scene::materials::material_layout;
 #[cfg(feature = "radiosity")]
 use crate::scene::radiosity::RadiosityPipelines;
@@ -46,6 +50,12 @@ pub struct Pipelines {
     /// Light of lightmaps.
     #[cfg(feature = "radiosity")]
     pub lightmap: LightmapPass,
+    /// Glossy transfer; made for the first scene with it.
+    #[cfg(feature = "radiosity")]
+    pub gloss: OnceCell<GlossKernels>,
+    /// Reflections.
+    #[cfg(feature = "radiosity")]
+    pub reflections: ReflectionsPass,
     overlay: RefCell<Vec<Rc<OverlayPass>>>,
 }
 
@@ -68,6 +78,10 @@ impl Pipelines {
             radiosity: OnceCell::new(),
             #[cfg(feature = "radiosity")]
             lightmap: LightmapPass::default(),
+            #[cfg(feature = "radiosity")]
+            gloss: OnceCell::new(),
+            #[cfg(feature = "radiosity")]
+            reflections: ReflectionsPass::default(),
             overlay: RefCell::default(),
             material,
             shadow,
@@ -86,6 +100,8 @@ impl Pipelines {
             radiosity: &self.radiosity,
             #[cfg(feature = "radiosity")]
             lightmap: &self.lightmap.layout,
+            #[cfg(feature = "radiosity")]
+            gloss: &self.gloss,
         }
     }
 

@@ -10,6 +10,8 @@ use crate::passes::display::{self, DisplayTarget};
 use crate::passes::gbuffer::GBuffer;
 #[cfg(feature = "radiosity")]
 use crate::passes::lightmap;
+#[cfg(feature = "radiosity")]
+use crate::passes::reflections::{ReflectionsSources, ReflectionsTarget};
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
 use crate::scene::sky::Sky;
@@ -35,6 +37,9 @@ pub struct Target {
     /// Light of the lightmap, if the scene has one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Option<wgpu::TextureView>,
+    /// Reflections of glossy surfaces, if the scene has any.
+    #[cfg(feature = "radiosity")]
+    pub reflections: Option<ReflectionsTarget>,
     /// The picture.
     pub picture: Picture,
     own: Scope,
@@ -72,6 +77,13 @@ impl Target {
         let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
         #[cfg(feature = "radiosity")]
         let lightmap = scene.lightmap.as_ref().map(|_| lightmap::picture(&own, size));
+        #[cfg(feature = "radiosity")]
+        let reflections = scene.gloss.as_ref().zip(display.rows()).map(|(gloss, rows)| {
+            let slots = [&display.slots.layout, rows, &display.slots.by_pixel];
+            let sky = sky.map(Sky::reflected);
+            let from = ReflectionsSources { frame: &frame, gbuffer: &gbuffer, slots, scene, gloss, sky };
+            pipelines.reflections.target(&own, &from, size)
+        });
         let sources = PictureSources {
             frame: &frame,
             shading: &shading,
@@ -85,6 +97,8 @@ impl Target {
             sky: sky.map(|sky| &sky.view),
             #[cfg(feature = "radiosity")]
             lightmap: lightmap.as_ref(),
+            #[cfg(feature = "radiosity")]
+            reflections: reflections.as_ref().map(|target| &target.picture),
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =
@@ -99,6 +113,8 @@ impl Target {
             blended,
             #[cfg(feature = "radiosity")]
             lightmap,
+            #[cfg(feature = "radiosity")]
+            reflections,
             picture,
             own,
         }

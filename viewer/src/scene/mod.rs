@@ -4,7 +4,7 @@
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
 //! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
-//! * `lightmap` – the light of a fixed solution as a texture;
+//! * `lightmap` – the light of a fixed solution as a texture; `gloss` – light that arrives at glossy surfaces;
 //! * `materials`, `textures` – a bind group per material, mip levels;
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
 //! * `triangles` – the surfaces on the CPU, for ray casts;
@@ -17,6 +17,8 @@ pub mod blended_fit;
 pub mod draw_batch;
 pub mod extent;
 mod fronts;
+#[cfg(feature = "radiosity")]
+pub mod gloss;
 pub(crate) mod ground;
 #[cfg(feature = "radiosity")]
 pub mod lightmap;
@@ -40,6 +42,8 @@ use crate::gpu::Gpu;
 use crate::gpu::scope::Scope;
 use extent::Extent;
 use glam::Vec3;
+#[cfg(feature = "radiosity")]
+use gloss::{GlossKernels, GpuGloss};
 #[cfg(feature = "radiosity")]
 use lightmap::{GpuLightmap, LightmapLayoutCell};
 use materials::Materials;
@@ -73,6 +77,9 @@ pub struct Loaders<'a> {
     /// The layout of lightmaps.
     #[cfg(feature = "radiosity")]
     pub lightmap: &'a LightmapLayoutCell,
+    /// Glossy transfer; made for the first scene with it.
+    #[cfg(feature = "radiosity")]
+    pub gloss: &'a OnceCell<GlossKernels>,
 }
 
 /// A scene on the GPU, with its metadata on the CPU.
@@ -93,6 +100,9 @@ pub struct GpuScene {
     /// Lightmap of a fixed solution, if there is one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Option<GpuLightmap>,
+    /// Glossy transfer, if there is any.
+    #[cfg(feature = "radiosity")]
+    pub gloss: Option<GpuGloss>,
     /// Points of each level.
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
@@ -107,8 +117,8 @@ pub struct GpuScene {
     pub near: f32,
     /// Bounds for shadow maps.
     pub extent: Extent,
-    /// Whether there are reconstruction groups: functions are looked up then, not splatted.
-    pub is_grouped: bool,
+    /// Whether functions are looked up, never splatted: where there are reconstruction groups, or glossy transfer.
+    pub needs_lookup: bool,
 }
 
 impl GpuScene {
@@ -127,7 +137,8 @@ impl GpuScene {
     pub fn light_bytes(&self) -> u64 {
         #[cfg(feature = "radiosity")]
         let more = self.moving.as_ref().map_or(0, Moving::bytes)
-            + self.lightmap.as_ref().map_or(0, GpuLightmap::bytes);
+            + self.lightmap.as_ref().map_or(0, GpuLightmap::bytes)
+            + self.gloss.as_ref().map_or(0, GpuGloss::bytes);
         #[cfg(not(feature = "radiosity"))]
         let more = 0;
         self.relight.bytes() + more
@@ -159,6 +170,14 @@ impl GpuScene {
         let () = moving;
         #[cfg(feature = "radiosity")]
         let lightmap = gpu.watch(|| GpuLightmap::new(gpu, loaders.lightmap, &scene))?;
+        #[cfg(feature = "radiosity")]
+        let gloss = gpu.watch(|| match scene.gloss.is_empty() {
+            true => Ok(None),
+            false => {
+                let kernels = loaders.gloss.get_or_init(|| GlossKernels::new(gpu));
+                GpuGloss::new(gpu, kernels, &upload, &scene)
+            }
+        })?;
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
@@ -188,7 +207,12 @@ impl GpuScene {
             open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
             near,
             extent,
-            is_grouped: !scene.groups.is_empty(),
+            #[cfg(not(feature = "radiosity"))]
+            needs_lookup: !scene.groups.is_empty(),
+            #[cfg(feature = "radiosity")]
+            needs_lookup: !scene.groups.is_empty() || gloss.is_some(),
+            #[cfg(feature = "radiosity")]
+            gloss,
         })
     }
 }

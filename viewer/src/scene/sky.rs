@@ -3,9 +3,13 @@
 use crate::gpu::Gpu;
 use crate::gpu::scope::Scope;
 use rebounce_shared::colour::pack_rgb9e5;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::environment::Environment;
 use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::lighting::PreparedEnvironment;
+#[cfg(feature = "radiosity")]
+use std::cell::OnceCell;
 use std::sync::Arc;
 use wgpu::{Extent3d, TextureUsages};
 
@@ -23,7 +27,62 @@ pub struct Sky {
     /// Bins and sun.
     pub prepared: PreparedEnvironment,
     width: u32,
+    /// What surfaces reflect of it; made for the first scene with glossy transfer.
+    #[cfg(feature = "radiosity")]
+    reflected: OnceCell<ReflectedTexture>,
     own: Scope,
+}
+
+/// An environment without its sun, all levels blurred but the finest
+/// ([`EnvironmentMips`](rebounce_shared::environment::mips::EnvironmentMips)).
+#[cfg(feature = "radiosity")]
+pub struct ReflectedTexture {
+    /// Radiance divided by the scale.
+    pub view: wgpu::TextureView,
+    /// Radiance of a texel of 1.
+    pub scale: f32,
+}
+
+#[cfg(feature = "radiosity")]
+impl Sky {
+    /// What surfaces reflect of the environment.
+    pub fn reflected(&self) -> &ReflectedTexture {
+        self.reflected.get_or_init(|| {
+            let levels = &self.prepared.reflection().mips().levels;
+            let all = levels.iter().flat_map(|level| &level.pixels);
+            let largest = all.fold(0.0f32, |most, pixel| most.max(pixel.max_element()));
+            // rgb9e5 is exact to nine bits from 2^-7 to 2^15.
+            let scale = if largest > 0.0 { (largest / 32768.0).log2().ceil().exp2() } else { 1.0 };
+            let size = |level: &Environment| Extent3d {
+                width: level.width,
+                height: level.height,
+                depth_or_array_layers: 1,
+            };
+            let texture = self.own.texture(&wgpu::TextureDescriptor {
+                label: Some("reflected sky"),
+                size: levels.first().map(size).unwrap_or_default(),
+                mip_level_count: levels.len() as u32,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgb9e5Ufloat,
+                usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+                view_formats: &[],
+            });
+            for (mip_level, level) in (0..).zip(levels) {
+                let texels: Vec<u32> = level.pixels.iter().map(|pixel| pack_rgb9e5(*pixel / scale)).collect();
+                self.own.queue.write_texture(
+                    wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
+                    bytemuck::cast_slice(&texels),
+                    wgpu::TexelCopyBufferLayout {
+                        bytes_per_row: Some(4 * level.width),
+                        ..Default::default()
+                    },
+                    size(level),
+                );
+            }
+            ReflectedTexture { view: texture.create_view(&Default::default()), scale }
+        })
+    }
 }
 
 impl Sky {
@@ -58,7 +117,15 @@ impl Sky {
         }
         let lighting = lighting.unwrap_or_else(|| level.unpack());
         let view = texture.create_view(&Default::default());
-        Self { view, scale, prepared: PreparedEnvironment::new(Arc::new(lighting)), width, own }
+        Self {
+            view,
+            scale,
+            prepared: PreparedEnvironment::new(Arc::new(lighting)),
+            width,
+            #[cfg(feature = "radiosity")]
+            reflected: OnceCell::new(),
+            own,
+        }
     }
 
     /// Uploads the environment of a file, packed, or an even white for a file without.

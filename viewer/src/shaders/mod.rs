@@ -72,24 +72,24 @@ modules! {
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
     #[cfg(feature = "radiosity")]
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "glossy" "shade" "backdrop" "fullscreen" "composite";
     /// The tone-mapped picture.
     #[cfg(not(feature = "radiosity"))]
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "matt" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
     #[cfg(feature = "radiosity")]
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "glossy" "shade" "look";
     /// Luminance of some pixels.
     #[cfg(not(feature = "radiosity"))]
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "matt" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
     #[cfg(feature = "radiosity")]
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf_coated" "reflect" "sky" "bounced" "charted" "glossy" "shade" "fullscreen" "indirect";
     /// Bounced light alone.
     #[cfg(not(feature = "radiosity"))]
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "lobe" "brdf" "reflect" "sky" "bounced" "uncharted" "matt" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.
@@ -97,6 +97,15 @@ modules! {
     /// Light of a lightmap on the visible surfaces.
     #[cfg(feature = "radiosity")]
     LIGHTMAP: "octahedral" "frame" "model" "lightmap";
+    /// Glossy transfer: vectors of clusters under distant light.
+    #[cfg(feature = "radiosity")]
+    LIGHT_VECTORS: "gloss_pass" "light_vectors";
+    /// Glossy transfer: light that arrives at points.
+    #[cfg(feature = "radiosity")]
+    ARRIVE: "link" "gloss_pass" "arrive";
+    /// Glossy transfer: reflections of the visible surfaces.
+    #[cfg(feature = "radiosity")]
+    REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "ggx" "fullscreen" "reflections";
     /// Radiosity: irradiance of receivers by rays.
     #[cfg(feature = "radiosity")]
     GATHER_LIGHT: "octahedral" "point" "kernel" "cuts" "lookup" "groups" "radiosity_pass" "bvh" "hemisphere" "reconstruct" "gather_light";

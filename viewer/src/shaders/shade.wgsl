@@ -58,7 +58,7 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
         bounced = shown_bounced(pixel, (shading.flags & DETAILED) != 0u);
     }
     let position = position_at(frame, vec2f(pixel) + 0.5, depth);
-    return vec4f(reflected(surface, albedo.rgb, position, bounced, true), 1.0);
+    return vec4f(shaded(surface, albedo.rgb, position, bounced, pixel), 1.0);
 }
 
 fn depth_at(pixel: vec2i, x: i32, y: i32) -> f32 {

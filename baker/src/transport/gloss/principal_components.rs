@@ -204,6 +204,7 @@ pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSetti
     }
     let layout = GlossLayout {
         has_direct: settings.has_direct,
+        roughness: [settings.metals, settings.dielectrics],
         channels: 3,
         components,
         vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),

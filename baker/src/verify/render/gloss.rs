@@ -4,8 +4,7 @@ use crate::basis::Leveled;
 use crate::geometry::Hit;
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::ggx::multiple_scattering;
-use rebounce_shared::gloss::GlossyField;
+use rebounce_shared::gloss::{Fresnel, GlossyField};
 use rebounce_shared::lighting::Lighting;
 
 /// Light that arrives at points of glossy surfaces.
@@ -28,6 +27,6 @@ impl Reflections {
         let arriving = self.field.mean(&weights)?;
         let skies: Vec<_> = lighting.background.iter().map(|background| background.reflected()).collect();
         let lobe = self.field.reflected(&arriving, &skies, hit.gloss.roughness, hit.normal, -direction);
-        Some(hit.albedo * multiple_scattering(hit.albedo, lobe.single) * lobe.radiance)
+        Some(lobe.reflected(&Fresnel { head_on: hit.albedo, grazing: hit.albedo }))
     }
 }

@@ -33,6 +33,9 @@ pub struct LookupPass {
 pub struct LookupTarget {
     find: wgpu::BindGroup,
     gather: wgpu::BindGroup,
+    /// Rows of functions and weights: slots.wgsl.
+    #[cfg(feature = "radiosity")]
+    pub rows: wgpu::Buffer,
     own: Scope,
 }
 
@@ -72,7 +75,13 @@ impl LookupPass {
             slots.open.as_entire_binding(),
         ];
         let gather = group(&own, "gather", &self.gather_layout, &resources);
-        LookupTarget { find: find(&own, &rows), gather, own }
+        LookupTarget {
+            find: find(&own, &rows),
+            gather,
+            #[cfg(feature = "radiosity")]
+            rows,
+            own,
+        }
     }
 
     /// Finds the functions of every row.

@@ -80,7 +80,7 @@ pub struct SlotBuffers {
     capacity: u32,
     row_length: u32,
     /// `Slots` in slots.wgsl.
-    layout: wgpu::Buffer,
+    pub layout: wgpu::Buffer,
     /// u32 counters: requested single-pixel slots; functions tested, or quads drawn; kernels evaluated by lookup.
     pub counts: wgpu::Buffer,
     /// Slot number of every pixel with its own slot, else 0.
@@ -149,8 +149,8 @@ impl DisplayPass {
         DisplayTarget { made: self.make(scope, &slots, from, way), slots }
     }
 
-    /// Changes the way of filling slots, from the next [`Self::find`] on. Pictures too tall for splatting, and scenes with
-    /// reconstruction groups, keep lookup.
+    /// Changes the way of filling slots, from the next [`Self::find`] on. Pictures too tall for splatting, and scenes that
+    /// need lookup, keep it.
     pub fn set_way(&self, gpu: &Gpu, target: &mut DisplayTarget, from: Sources<'_>, way: Way) {
         if target.way() != way && (way == Way::Lookup || splat::fits(from.scene, target.slots.size)) {
             target.made = self.make(gpu, &target.slots, from, way);
@@ -265,6 +265,15 @@ impl DisplayTarget {
         match self.made {
             MadeTarget::Lookup(_) => Way::Lookup,
             MadeTarget::Splat(_) => Way::Splat,
+        }
+    }
+
+    /// Rows of functions and weights by slot (slots.wgsl), where functions are looked up.
+    #[cfg(feature = "radiosity")]
+    pub fn rows(&self) -> Option<&wgpu::Buffer> {
+        match &self.made {
+            MadeTarget::Lookup(made) => Some(&made.rows),
+            MadeTarget::Splat(_) => None,
         }
     }
 

@@ -103,7 +103,7 @@ fn atlas([width, height]: [u32; 2]) -> [u32; 2] {
 
 /// Whether a picture of this size can be splatted: a splat does not know the group of the pixels that it covers.
 pub fn fits(scene: &GpuScene, size: [u32; 2]) -> bool {
-    !scene.is_grouped && atlas(size)[1] <= LIMITS.max_texture_dimension_2d
+    !scene.needs_lookup && atlas(size)[1] <= LIMITS.max_texture_dimension_2d
 }
 
 impl SplatPass {

@@ -1,0 +1,155 @@
+// What glossy surfaces reflect of the light that arrives at their points, and of the environment where it is seen; as
+// `GlossyField::reflected` of shared/src/gloss.rs.
+
+// Bits of `flags`: the G-buffer holds what textures say; metals reflect their base colour at every angle, and nothing else
+// shines; matrices hold light that did not bounce.
+const DETAILED = 1u;
+const CONDUCTORS = 2u;
+const HAS_DIRECT = 4u;
+
+struct Reflecting {
+    // By sky: factor of the texture, RGB, and rotation in radians.
+    sky: array<vec4f, 4>,
+    // Coefficients of the sky's radiance, RGB.
+    smooth_sky: array<vec4f, HARMONICS>,
+    skies: u32,
+    flags: u32,
+    // Roughness from which metals, and what is not metal, reflect nothing.
+    metals: f32,
+    others: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> slot_layout: Slots;
+@group(0) @binding(2) var albedo_texture: texture_2d<f32>;
+@group(0) @binding(3) var surface_texture: texture_2d<u32>;
+@group(0) @binding(4) var depth_texture: texture_depth_2d;
+@group(0) @binding(5) var<storage, read> rows: array<u32>;
+@group(0) @binding(6) var<storage, read> slots: array<u32>;
+@group(0) @binding(7) var<storage, read> places: array<u32>;
+@group(0) @binding(8) var<storage, read> arriving: array<vec4f>;
+@group(0) @binding(9) var<storage, read> looks: array<MaterialRecord>;
+@group(0) @binding(10) var<uniform> reflecting: Reflecting;
+// The environments without their suns, with levels that are blurred (shared/src/environment/mips.rs).
+@group(0) @binding(11) var sky_texture: texture_2d<f32>;
+@group(0) @binding(12) var sky_sampler: sampler;
+
+const NOWHERE = 0xffffffffu;
+const TAU = 6.28318530717959;
+const PI = 3.14159265;
+// Pixels that the blur of a level spreads over.
+const PIXELS = 8.0;
+
+// Radiance of the skies from a direction, over about this solid angle.
+fn reflected_sky(way: vec3f, solid_angle: f32) -> vec3f {
+    let wide = TAU / f32(textureDimensions(sky_texture).x);
+    let level = 0.5 * log2(solid_angle / (PIXELS * wide * wide));
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < reflecting.skies; k++) {
+        let one = reflecting.sky[k];
+        let x = cos(one.w) * way.x - sin(one.w) * way.z;
+        let z = sin(one.w) * way.x + cos(one.w) * way.z;
+        let azimuth = atan2(z, select(x, 1e-20, x == 0.0));
+        let at = vec2f(azimuth / TAU + 0.5, 2.0 / TAU * atan2(length(way.xz), way.y));
+        sum += one.rgb * textureSampleLevel(sky_texture, sky_sampler, at, level).rgb;
+    }
+    return sum;
+}
+
+// Two unit tangents (Duff et al. 2017), and the normal.
+fn frame_of(normal: vec3f) -> mat3x3f {
+    let sign = select(-1.0, 1.0, normal.z >= 0.0);
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    let first = vec3f(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    return mat3x3f(first, vec3f(b, sign + normal.y * normal.y * a, -normal.y), normal);
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let depth = textureLoad(depth_texture, pixel, 0);
+    if depth <= 0.0 {
+        return vec4f(0.0);
+    }
+    let texel = textureLoad(surface_texture, pixel, 0);
+    let material = looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)];
+    let surface = surface_unpack(texel, material, (reflecting.flags & DETAILED) != 0u);
+    let is_metal = surface.look.metallic > 0.5;
+    let conductors = (reflecting.flags & CONDUCTORS) != 0u;
+    let limit = select(reflecting.others, reflecting.metals, is_metal);
+    let shines = is_metal || (surface.look.specular > 0.0 && !conductors);
+    if material.unlit > 0.0 || !shines || surface.look.roughness >= limit {
+        return vec4f(0.0);
+    }
+    // The row of the pixel, or of one beside it.
+    var slot = slots[pixel.y * u32(frame.width) + pixel.x];
+    if slot == 0u {
+        let blocks = slots_blocks(frame);
+        slot = (pixel.y / 2u) * blocks.x + pixel.x / 2u;
+    }
+    var sums: array<vec4f, HARMONICS>;
+    var total = 0.0;
+    for (var k = 0u; k < slot_layout.row_length; k++) {
+        let entry = rows[k * slot_layout.capacity + slot];
+        if entry == 0u {
+            break;
+        }
+        let place = places[entry & POINT_MASK];
+        if place != NOWHERE {
+            let weight = slots_weight(entry);
+            total += weight;
+            for (var i = 0u; i < HARMONICS; i++) {
+                sums[i] += weight * arriving[place * HARMONICS + i];
+            }
+        }
+    }
+    if total <= 0.0 {
+        return vec4f(0.0);
+    }
+    let to_eye = normalize(frame.eye - position_at(frame, vec2f(pixel) + 0.5, depth));
+    let world_from_surface = frame_of(surface.bent);
+    let seen_from = to_eye * world_from_surface;
+    let in_frame = normalize(vec3f(seen_from.xy, max(seen_from.z, 1e-3)));
+    let alpha = max(surface.look.roughness * surface.look.roughness, LEAST_ALPHA);
+    // Radiance, the same by Schlick's (1 - v·h)^5, and the shares of an even light.
+    var radiance = vec3f(0.0);
+    var grazing = vec3f(0.0);
+    var shares = vec2f(0.0);
+    for (var i = 0u; i < LOBE_SAMPLES; i++) {
+        let sample = lobe_sample(alpha, in_frame, i);
+        if sample.weight <= 0.0 {
+            continue;
+        }
+        let way = world_from_surface * sample.to_light;
+        let y = harmonics(way);
+        var low = vec4f(0.0);
+        var smooth_sky = vec3f(0.0);
+        for (var j = 0u; j < HARMONICS; j++) {
+            low += y[j] * sums[j];
+            smooth_sky += y[j] * reflecting.smooth_sky[j].rgb;
+        }
+        low /= total;
+        let sky = reflected_sky(way, 1.0 / (f32(LOBE_SAMPLES) * sample.density));
+        let detail = sky - select(vec3f(0.0), smooth_sky, (reflecting.flags & HAS_DIRECT) != 0u);
+        let light = max(low.rgb + saturate(low.w) * detail, vec3f(0.0));
+        let glancing = pow(max(1.0 - sample.cosine, 0.0), 5.0);
+        radiance += sample.weight * light;
+        grazing += sample.weight * glancing * light;
+        shares += sample.weight * vec2f(1.0, glancing);
+    }
+    let share = 1.0 / f32(LOBE_SAMPLES);
+    let albedo = textureLoad(albedo_texture, pixel, 0).rgb;
+    var head_on = mix(surface.look.head_on, albedo, surface.look.metallic);
+    var edge = vec3f(mix(surface.look.specular, 1.0, surface.look.metallic));
+    var below = 1.0 - surface.look.metallic;
+    if conductors {
+        head_on = albedo;
+        edge = albedo;
+        below = 0.0;
+    }
+    let again = 1.0 + head_on * (1.0 / max(share * shares.x, 1e-3) - 1.0);
+    let taken = again * share * (head_on * (shares.x - shares.y) + edge * shares.y);
+    let left = below * saturate(1.0 - max(taken.r, max(taken.g, taken.b)));
+    return vec4f(again * share * (head_on * (radiance - grazing) + edge * grazing), 1.0 + left);
+}
