@@ -1,12 +1,13 @@
 //! Renders a .rbn file without a window:
 //!
 //! `headless FILE.rbn [SHOT.json] OUT.png [--size WxH] [--mode MODE] [--overlay OVERLAY] [--shadows TEXELS]
-//! [--every-pixel] [--compare INDIRECT.exr [--from FLOATS]]`
+//! [--every-pixel] [--compare INDIRECT.exr [--all] [--from FLOATS]]`
 //!
 //! `--every-pixel` looks the bounced light up in every pixel, where usually most are interpolated.
 //!
 //! `--compare` prints how far the GPU's bounced light is from a picture made by
 //! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
+//! with `--all`, all light is compared with a picture made by `--only all`;
 //! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
 use anyhow::{Context, Result, bail};
@@ -22,7 +23,7 @@ mod common;
 fn main() -> Result<()> {
     let mut files = Vec::new();
     let (mut mode, mut overlay, mut size) = (Mode::All, Overlay::None, None);
-    let (mut compare, mut from, mut shadows, mut every_pixel) = (None, None, None, false);
+    let (mut compare, mut from, mut shadows, mut every_pixel, mut all) = (None, None, None, false, false);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().context("a value is missing");
@@ -33,6 +34,7 @@ fn main() -> Result<()> {
             "--from" => from = Some(value()?),
             "--shadows" => shadows = Some(value()?.parse()?),
             "--every-pixel" => every_pixel = true,
+            "--all" => all = true,
             "--size" => {
                 let text = value()?;
                 let (w, h) = text.split_once('x').context("--size WxH")?;
@@ -57,6 +59,7 @@ fn main() -> Result<()> {
     if let Some(path) = compare {
         let bytes = match &from {
             Some(file) => std::fs::read(file)?,
+            None if all => pollster::block_on(renderer.read_radiance(width, height)?.wait())?,
             None => pollster::block_on(renderer.read_indirect(width, height)?.wait())?,
         };
         let ours: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);

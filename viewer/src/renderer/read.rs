@@ -17,6 +17,13 @@ const PICTURES: u32 = 16;
 /// Maximum pixels of one of these pictures.
 const MOST_PIXELS: u64 = 1 << 22;
 
+/// What bounced light is read without.
+#[cfg(feature = "radiosity")]
+const LOOKS: u32 = composite::DETAILED | composite::GLOSSY;
+/// What bounced light is read without.
+#[cfg(not(feature = "radiosity"))]
+const LOOKS: u32 = composite::DETAILED;
+
 impl Renderer {
     /// Begins to read the bounced light for the present camera and lights at this size: RGBA 32-bit floats, linear
     /// radiance albedo/π·E. A pixel is the mean over 64 places, or 16 in pictures of over a million pixels. Alpha
@@ -27,6 +34,19 @@ impl Renderer {
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for a size that the device cannot draw.
     pub fn read_indirect(&mut self, width: u32, height: u32) -> Result<Readback, ViewerError> {
+        self.read_linear(width, height, Mode::Indirect)
+    }
+
+    /// As [`Self::read_indirect`], of all light, with normal maps, highlights and reflections, and the sky.
+    ///
+    /// # Errors
+    /// As [`Self::read_indirect`].
+    #[cfg(feature = "radiosity")]
+    pub fn read_radiance(&mut self, width: u32, height: u32) -> Result<Readback, ViewerError> {
+        self.read_linear(width, height, Mode::All)
+    }
+
+    fn read_linear(&mut self, width: u32, height: u32, mode: Mode) -> Result<Readback, ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         self.check_size(width, height)?;
         let bytes = 16 * width as u64 * height as u64;
@@ -43,7 +63,8 @@ impl Renderer {
         let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene, None, Mode::Indirect);
+        let picture_size = (mode != Mode::Indirect).then_some(target.size);
+        self.update_lights(&mut encoder, &scene, picture_size, mode);
         #[cfg(feature = "radiosity")]
         self.solve_all(&mut encoder, &scene);
         // One submission per picture: uniforms differ.
@@ -51,9 +72,14 @@ impl Renderer {
             std::mem::swap(&mut before, &mut out);
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of_count(picture, PICTURES), false);
             // Lambertian surfaces, as in the CPU's picture.
-            let shading = self.shading(1.0 / (picture + 1) as f32);
-            let flags = shading.flags & !composite::DETAILED;
-            let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, skies: 0, ..shading };
+            let shading = Shading { scale, ..self.shading(1.0 / (picture + 1) as f32) };
+            let shading = match mode {
+                Mode::Indirect => {
+                    let flags = shading.flags & !LOOKS;
+                    Shading { direct: 0.0, indirect: 1.0, flags, skies: 0, ..shading }
+                }
+                _ => Shading { direct: 1.0, indirect: 1.0, ..shading },
+            };
             self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
             self.draw_blended(&mut encoder, &scene, &target, false);
             let group = self.shadows.group();
