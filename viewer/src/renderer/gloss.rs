@@ -35,6 +35,11 @@ impl Renderer {
         self.pipelines.reflections.draw(&self.gpu, encoder, to, scene, gloss, &light);
     }
 
+    /// Whether metals are GGX conductors of constant reflectance.
+    pub fn conductors(&self) -> bool {
+        self.conductors
+    }
+
     /// Sets whether metals are GGX conductors of constant reflectance and nothing else shines, as SHOT.json's `gloss` has it.
     pub fn set_conductors(&mut self, on: bool) {
         self.dirty.display |= self.conductors != on;

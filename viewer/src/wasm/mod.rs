@@ -14,6 +14,8 @@
 
 #[cfg(feature = "element")]
 mod callbacks;
+#[cfg(all(feature = "element", feature = "radiosity"))]
+mod gloss;
 #[cfg(feature = "element")]
 mod input;
 mod math;

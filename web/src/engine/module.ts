@@ -11,12 +11,12 @@ let loading: Promise<unknown> | undefined;
 
 /**
  * Whether a file is for the renderer of all files, by its table of sections (docs/format/rbn.md): its bounced light comes not
- * from links alone, or its materials have an index of refraction, a specular colour or a clear layer.
+ * from links alone, its materials have an index of refraction, a specular colour or a clear layer, or it has glossy transfer.
  */
-export const wantsRadiosity = (file: Uint8Array): boolean => /[LMR]GRP|REFL|MATG/.test(String.fromCharCode(...file.subarray(32, 2080)));
+export const wantsRadiosity = (file: Uint8Array): boolean => /[LMR]GRP|REFL|MATG|GLSY/.test(String.fromCharCode(...file.subarray(32, 2080)));
 
-/** A viewer; that of all files has nodes that move, too. */
-export type Viewer = Linked & { moving?: Moving };
+/** A viewer; that of all files has nodes that move, and reflections, too. */
+export type Viewer = Linked & { moving?: Moving; gloss?: boolean };
 
 /** Makes a viewer on a canvas, of all files or of those with links alone. Rejects with an error whose `code` says what is missing. */
 export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean): Promise<Viewer> {

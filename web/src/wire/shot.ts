@@ -82,6 +82,8 @@ export interface Shot {
   mix?: Channel[];
   /** Factor of the emission of all surfaces that shine; 1 when absent. */
   emission?: number;
+  /** Whether metals are GGX conductors whose reflectance is their base colour at every angle, and nothing else shines; glTF's model when absent. */
+  gloss?: boolean;
   /** Motions of nodes by their names; other nodes are where the file has them. */
   move?: Record<string, NodeMove>;
   /** Width and height of the picture, pixels; the element keeps its own size. */

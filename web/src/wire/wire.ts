@@ -143,12 +143,12 @@ export function setLights(viewer: Viewer, lights: readonly Light[]): void {
 export function shotIn(viewer: Viewer): Shot {
   const mix = mixIn(viewer);
   const move = viewer.moving?.moves;
-  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }), ...(move && { move }) };
+  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }), ...(move && { move }), ...(viewer.gloss && { gloss: true }) };
 }
 
 /** Sets camera, lights and mix, or none. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
-  const { emission = 1, mix = [], move } = member("shot", shot) as unknown as Shot;
+  const { emission = 1, mix = [], move, gloss = false } = member("shot", shot) as unknown as Shot;
   if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
   const { moving } = viewer;
   if (move && !moving) throw wrong("move", "nothing of this file can move");
@@ -163,6 +163,7 @@ export function setShot(viewer: Viewer, shot: Shot): void {
     throw error;
   }
   moving?.move(move ?? {});
+  viewer.gloss = gloss;
   keepTexts(viewer, lights);
 }
 
