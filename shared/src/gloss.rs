@@ -13,14 +13,19 @@
 //! ```
 //!
 //! Where matrices hold light that did not bounce, too, the environment adds what harmonics leave out of it, L_env − l.
+//!
+//! In files with [links](crate::rbn::gloss_links) T l is their sum in place of the matrices': for each link the light of its
+//! sender times its amount, as a lobe about its direction, and once more about the direction mirrored at the tangent plane.
 
 use crate::baked::BakedScene;
 use crate::environment::reflection::ReflectedSky;
 use crate::footprint::tangents;
 use crate::ggx::{LOBE_SAMPLES, alpha, lobe, multiple_scattering};
-use crate::harmonics::{COUNT, Coefficients, evaluate, value};
+use crate::harmonics::zonal::of_mean_length;
+use crate::harmonics::{COUNT, Coefficients, band, evaluate, value};
 use crate::lighting::Lighting;
 use crate::rbn::gloss::{Gloss, NO_MATRIX};
+use crate::rbn::gloss_links::GlossLink;
 use glam::{Vec3, Vec4};
 
 /// Coefficients of arriving radiance, RGB, and of visibility.
@@ -40,9 +45,9 @@ pub struct GlossyField {
 }
 
 impl GlossyField {
-    /// Applies the transfer of a file to distant light. Lamps are reflected by themselves: only what matrices hold of bounced
-    /// light has their share.
-    pub fn new(scene: &BakedScene, lighting: &Lighting) -> Self {
+    /// Applies the transfer of a file to distant light and to what the senders [send](crate::relight::sent_after_bounces),
+    /// `sent`; senders beyond its end are dark. Lamps are reflected by themselves: only bounced light has their share.
+    pub fn new(scene: &BakedScene, lighting: &Lighting, sent: &[Vec3]) -> Self {
         let gloss = &scene.gloss;
         if gloss.is_empty() {
             return Self::default();
@@ -53,9 +58,14 @@ impl GlossyField {
         let count = 1 + gloss.layout.components as usize;
         let mut places = vec![u32::MAX; scene.points.len()];
         let mut arriving: Vec<Arriving> = Vec::with_capacity(gloss.points.len());
+        let light = SenderLight::new(scene, lighting, sent);
         let mut matrix = 0;
         for (place, (point, cluster)) in (0..).zip(gloss.points.iter().zip(&gloss.clusters)) {
             let mut own = parents_mean(scene, *point as usize, &places, &arriving);
+            if let Some(row) = light.row(place as usize) {
+                let linked = light.arriving(row, scene.points[*point as usize].normal());
+                own.iter_mut().zip(linked).for_each(|(own, linked)| *own = linked.extend(own.w));
+            }
             if *cluster != NO_MATRIX {
                 let cluster = usize::from(*cluster);
                 let weights = std::iter::once(1.0).chain(gloss.weights_of(matrix, cluster));
@@ -94,6 +104,55 @@ impl GlossyField {
     }
 }
 
+/// Light of the senders of glossy links.
+#[derive(Clone, Debug)]
+pub struct SenderLight<'a> {
+    gloss: &'a Gloss,
+    sent: &'a [Vec3],
+    /// Radiance of the groups of emissive surfaces; their senders are the numbers from `points` on.
+    emission: Vec<Vec3>,
+    points: usize,
+}
+
+impl<'a> SenderLight<'a> {
+    /// Prepares the light of a picture; `sent` as in [`GlossyField::new`].
+    pub fn new(scene: &'a BakedScene, lighting: &Lighting, sent: &'a [Vec3]) -> Self {
+        let groups = scene.gloss.layout.emission.iter().zip(&lighting.emission);
+        let emission = groups.map(|(radiance, factor)| Vec3::from(*radiance) * *factor).collect();
+        Self { gloss: &scene.gloss, sent, emission, points: scene.points.len() }
+    }
+
+    /// The links of a point of the transfer, by its place there; `None` without.
+    fn row(&self, place: usize) -> Option<&'a [GlossLink]> {
+        let links = &self.gloss.links;
+        (place < links.len()).then(|| links.row(place)).filter(|row| !row.is_empty())
+    }
+
+    /// Light of a sender, linear RGB.
+    fn of(&self, sender: usize) -> Vec3 {
+        let light = match sender.checked_sub(self.points) {
+            Some(group) => self.emission.get(group),
+            None => self.sent.get(sender),
+        };
+        light.copied().unwrap_or_default()
+    }
+
+    /// Coefficients of the radiance that arrives by a row of links at a point with this unit normal.
+    fn arriving(&self, row: &[GlossLink], normal: Vec3) -> Coefficients {
+        let mut out = [Vec3::ZERO; COUNT];
+        for link in row {
+            let light = self.of(link.sender as usize) * link.amount();
+            let lobe = of_mean_length(link.mean_length());
+            let direction = link.direction();
+            let (above, below) = (evaluate(direction), evaluate(direction.reflect(normal)));
+            for (i, (sum, (above, below))) in out.iter_mut().zip(above.iter().zip(below)).enumerate() {
+                *sum += light * ((above + below) * lobe[band(i)]);
+            }
+        }
+        out
+    }
+}
+
 /// Mean of the parents of a point, of those that the transfer reaches.
 fn parents_mean(scene: &BakedScene, point: usize, places: &[u32], arriving: &[Arriving]) -> Arriving {
     let (mut sum, mut total) = (DARK, 0.0);
@@ -121,7 +180,8 @@ pub fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
     let (matrices, visibility) = vector.split_at(vector.len() - COUNT);
     let (rows, _) = matrices.as_chunks::<COUNT>();
     std::array::from_fn(|i| {
-        let row = |channel: usize| rows.get(channel * COUNT + i).unwrap_or(&rows[i]);
+        // Without matrices there is visibility alone.
+        let row = |channel: usize| rows.get(channel * COUNT + i).or(rows.get(i)).unwrap_or(&[0.0; COUNT]);
         let [red, green, blue] = [row(0), row(1), row(2)];
         let sum: Vec3 = (0..COUNT).map(|j| Vec3::new(red[j], green[j], blue[j]) * sky[j]).sum();
         sum.extend(visibility[i])

@@ -27,7 +27,7 @@ pub fn pull(scene: &BakedScene, irradiance: &mut [Vec3]) {
 }
 
 /// Returns the light sent by the senders: irradiance times tint.
-fn sent(scene: &BakedScene, irradiance: &[Vec3]) -> Vec<Vec3> {
+pub fn sent(scene: &BakedScene, irradiance: &[Vec3]) -> Vec<Vec3> {
     let senders = &scene.points[..scene.sender_count()];
     senders.iter().zip(irradiance).map(|(point, e)| point.tint() * *e).collect()
 }
@@ -124,8 +124,14 @@ fn pushed<'l, L: 'l>(
 
 /// Runs the steps: from direct irradiance at the direct points (RGB, `direct_count` values) to the bounced irradiance
 /// of every point along its own normal.
-pub fn relight(scene: &BakedScene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
+pub fn relight(scene: &BakedScene, irradiance: Vec<Vec3>) -> Vec<Vec3> {
+    transport(scene, &sent_after_bounces(scene, irradiance), scene.points.len())
+}
+
+/// Runs the steps before the last: from direct irradiance at the direct points to the light that the senders send, of all
+/// bounces. [`transport`] takes it on.
+pub fn sent_after_bounces(scene: &BakedScene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
     pull(scene, &mut irradiance);
     add_bounced(scene, &mut irradiance);
-    transport(scene, &sent(scene, &irradiance), scene.points.len())
+    sent(scene, &irradiance)
 }

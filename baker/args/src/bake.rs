@@ -1,7 +1,7 @@
 //! The arguments of `rebounce bake`.
 
 use crate::error::ArgsError;
-use crate::layout::{ADVANCED, LayoutArgs, PresetName, RefinementName, SolverName};
+use crate::layout::{ADVANCED, LayoutArgs, PresetName, RefinementName, SolverName, TransferName};
 use crate::load::LoadArgs;
 use crate::number;
 use crate::paths::{Places, check_paths};
@@ -150,6 +150,9 @@ pub struct BakeArgs {
     /// Levels that light is gathered on to bounce again, the coarsest ones
     #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
     later_levels: Option<usize>,
+    /// How bounced light comes to metals
+    #[arg(long, value_enum, default_value = "links", help_heading = ADVANCED, hide_short_help = true)]
+    gloss_transfer: TransferName,
     #[command(flatten)]
     layout: LayoutArgs,
 }
@@ -214,6 +217,9 @@ impl BakeArgs {
         set(&mut s.operator.later_levels, &self.later_levels);
         set(&mut s.direct_levels, &self.direct_levels);
         self.layout.apply(&mut s);
+        if let Some(gloss) = &mut s.gloss {
+            gloss.transfer = self.gloss_transfer.into();
+        }
         if let (Some(gloss), Some(given)) = (&mut s.gloss, &self.gloss_roughness) {
             gloss.metals = given.first().copied().unwrap_or(gloss.metals);
             gloss.dielectrics = given.get(1).copied().unwrap_or(gloss.dielectrics.min(gloss.metals));

@@ -5,6 +5,7 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, BakeSolver, Preset};
 use rebounce::transport::Refinement;
+use rebounce::transport::gloss::Transfer;
 use rebounce_shared::rbn::MAX_LEVELS;
 use std::ops::RangeInclusive;
 
@@ -49,6 +50,24 @@ impl From<SolverName> for BakeSolver {
         match name {
             SolverName::Operator => BakeSolver::Operator,
             SolverName::Radiosity => BakeSolver::Radiosity,
+        }
+    }
+}
+
+/// Name of a way in which bounced light comes to metals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TransferName {
+    /// Links from the scene's surfaces: metals reflect a room that any lamp lights
+    Links,
+    /// Matrices from the environment: metals reflect what the environment lights
+    Matrices,
+}
+
+impl From<TransferName> for Transfer {
+    fn from(name: TransferName) -> Self {
+        match name {
+            TransferName::Links => Transfer::Links,
+            TransferName::Matrices => Transfer::Matrices,
         }
     }
 }

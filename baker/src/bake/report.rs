@@ -299,8 +299,16 @@ impl fmt::Display for BakeReport {
                 self.source_rays as f64 / 1e6
             )?;
         }
-        if self.gloss.matrices > 0 {
-            let gloss = &self.gloss;
+        let gloss = &self.gloss;
+        if gloss.links > 0 {
+            let (links, points) = (gloss.links, gloss.linked_points);
+            writeln!(
+                f,
+                "gloss links   {links} to {points} points, {:.1} a row",
+                links as f64 / points as f64
+            )?;
+        }
+        if gloss.matrices > 0 {
             writeln!(
                 f,
                 "gloss         {} matrices for {} points, {:.1} M rays, packed with an error of {:.1}%",

@@ -1,5 +1,15 @@
 //! Settings and figures of glossy transfer.
 
+/// How bounced light comes to glossy surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transfer {
+    /// By links from the scene's surfaces: light of all lamps, of emissive surfaces and of the environment.
+    #[default]
+    Links,
+    /// By matrices from the environment: light of the environment alone.
+    Matrices,
+}
+
 /// Settings of glossy transfer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlossSettings {
@@ -7,6 +17,12 @@ pub struct GlossSettings {
     pub metals: f32,
     /// Roughness from which what is not metal is left without reflections.
     pub dielectrics: f32,
+    /// How bounced light comes to glossy surfaces.
+    pub transfer: Transfer,
+    /// Links are those of the finest level with at most so many points.
+    pub link_points: usize,
+    /// Maximum number of links from points in a row.
+    pub row_links: usize,
     /// Rays of a point, over a sphere of directions that is the same for all.
     pub directions: u32,
     /// ε_T: a matrix is refined where it differs from what its parents say by more than this, in the norm ‖·‖₁.
@@ -25,6 +41,9 @@ impl Default for GlossSettings {
         Self {
             metals: 0.9,
             dielectrics: 0.35,
+            transfer: Transfer::Links,
+            link_points: 2000,
+            row_links: 128,
             directions: 2048,
             epsilon: 0.5,
             most: 24_000,
@@ -39,8 +58,12 @@ impl Default for GlossSettings {
 pub struct GlossReport {
     /// Points of glossy surfaces, with those that they interpolate.
     pub points: u64,
-    /// Matrices computed.
+    /// Matrices computed, or vectors of visibility.
     pub matrices: u64,
+    /// Points with links.
+    pub linked_points: u64,
+    /// Links of all of them.
+    pub links: u64,
     /// Rays cast.
     pub rays: u64,
     /// Root mean square of what compression changes in the matrices, relative to their own.

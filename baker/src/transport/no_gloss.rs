@@ -1,6 +1,6 @@
 //! In place of glossy transfer where it is not compiled.
 
-pub use super::gloss_settings::{GlossReport, GlossSettings};
+pub use super::gloss_settings::{GlossReport, GlossSettings, Transfer};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;

@@ -72,7 +72,7 @@ pub struct BakedScene {
     /// The same light as a texture, if there is one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Lightmap,
-    /// What arrives at points of glossy surfaces from the sky, if there is any.
+    /// What arrives at points of glossy surfaces from each direction, if there are any.
     #[cfg(feature = "radiosity")]
     pub gloss: Gloss,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
@@ -84,7 +84,7 @@ use crate::rbn::{
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
 #[cfg(feature = "radiosity")]
-use crate::rbn::{GLOSS_SECTIONS, LIGHTMAP_SECTIONS, SPECULAR_SECTION};
+use crate::rbn::{GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, LIGHTMAP_SECTIONS, SPECULAR_SECTION};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -384,7 +384,7 @@ impl BakedScene {
 
     /// Packs the sections of glossy transfer; none without it.
     fn gloss_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
-        let Gloss { layout, points, clusters, weights, vectors } = &self.gloss;
+        let Gloss { layout, points, clusters, weights, vectors, links } = &self.gloss;
         if self.gloss.is_empty() {
             return Ok(Vec::new());
         }
@@ -396,7 +396,12 @@ impl BakedScene {
             packed(weights),
             packed(vectors),
         ];
-        Ok(GLOSS_SECTIONS.into_iter().zip(sections).collect())
+        let mut out: Vec<NamedSection> = GLOSS_SECTIONS.into_iter().zip(sections).collect();
+        if !links.is_empty() {
+            let packed = [columns::encode(&links.links), columns::encode(&links.offsets)];
+            out.extend(GLOSS_LINK_SECTIONS.into_iter().zip(packed));
+        }
+        Ok(out)
     }
 
     /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy transfer, of groups and of
@@ -432,12 +437,20 @@ impl BakedScene {
                 let name = String::from_utf8_lossy(&name);
                 if packed.is_empty() { Ok(Vec::new()) } else { unpacked_bytes(&name, packed, most) }
             };
+            let links = match GLOSS_LINK_SECTIONS.into_iter().any(has) {
+                true => LinkMatrix {
+                    links: records("GLLK", bytes(*b"GLLK")?)?,
+                    offsets: records("GLLO", bytes(*b"GLLO")?)?,
+                },
+                false => LinkMatrix::default(),
+            };
             self.gloss = Gloss {
                 layout: gloss::decode(bytes(*b"GLSY")?)?,
                 points: records("GLPT", bytes(*b"GLPT")?)?,
                 clusters: unpacked(*b"GLCL")?,
                 weights: unpacked(*b"GLWT")?,
                 vectors: unpacked(*b"GLBS")?,
+                links,
             };
         }
         let mut of_material = Vec::new();

@@ -27,6 +27,13 @@ pub fn factors(lobe: impl Fn(f64) -> f64) -> Lobe {
     sums.map(|sum| (sum * std::f64::consts::TAU * 2.0 / f64::from(STEPS)) as f32)
 }
 
+/// Returns the factors of a lobe of total 1 whose directions have a mean vector of this length, for the heat kernel on the
+/// sphere: that to the power of l (l + 1) / 2.
+pub fn of_mean_length(length: f32) -> Lobe {
+    let (square, cube) = (length * length, length * length * length);
+    [1.0, length, cube, cube * cube, cube * cube * square * square]
+}
+
 /// Returns the Legendre polynomials of the bands.
 fn legendre(t: f64) -> [f64; BANDS] {
     let mut out = [1.0, t, 0.0, 0.0, 0.0];

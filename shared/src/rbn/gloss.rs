@@ -1,4 +1,4 @@
-//! Glossy transfer from distant light: what arrives at points of glossy surfaces from each direction. Optional sections;
+//! Glossy transfer: what arrives at points of glossy surfaces from each direction. Optional sections;
 //! readers without support show metals as they show other surfaces.
 //!
 //! | section | contents |
@@ -8,6 +8,8 @@
 //! | `GLCL` | by point, the cluster of its matrix, or [`NO_MATRIX`] |
 //! | `GLWT` | by point with a matrix, its weights: a signed byte a component |
 //! | `GLBS` | by cluster the mean and the components, signed bytes |
+//! | `GLLK` | [links](super::gloss_links), in files with links |
+//! | `GLLO` | offsets of the rows of links, and their end: a row for each of the first points |
 //!
 //! A matrix takes the [coefficients](crate::harmonics) of distant radiance to those of the radiance that arrives at a point,
 //! as the difference from what the point's parents say (Lehtinen et al. 2007, 6.4). A point without a matrix has what its
@@ -17,8 +19,12 @@
 //!
 //! A vector has, by channel, the matrix's rows one after the other, and then the coefficients of visibility: 1 where the
 //! distant environment is seen.
+//!
+//! Where there are links, all light that bounced or comes from emissive surfaces arrives by them, and vectors have visibility
+//! alone. A point with links has what they say; one without has the mean of its parents.
 
 use super::RbnError;
+use super::gloss_links::{self, GlossLinks};
 use super::limits::{MAX_BYTES, sane};
 use crate::harmonics::COUNT;
 use bincode::{Decode, Encode};
@@ -35,7 +41,7 @@ pub struct GlossLayout {
     pub has_direct: bool,
     /// Roughness from which metals, and what is not metal, have no reflections.
     pub roughness: [f32; 2],
-    /// Matrices of a point: 1 for all channels, or 3, for red, green and blue.
+    /// Matrices of a point: 1 for all channels, or 3, for red, green and blue; 0 for visibility alone.
     pub channels: u32,
     /// Components of each cluster.
     pub components: u32,
@@ -43,6 +49,8 @@ pub struct GlossLayout {
     pub vector_scales: Vec<f32>,
     /// By cluster, the scale of the weights of each component.
     pub weight_scales: Vec<f32>,
+    /// By group of emissive surfaces, its mean radiance, linear RGB; empty without links.
+    pub emission: Vec<[f32; 3]>,
 }
 
 impl GlossLayout {
@@ -70,6 +78,8 @@ pub struct Gloss {
     pub weights: Vec<u8>,
     /// By cluster, its vectors.
     pub vectors: Vec<u8>,
+    /// Links of the first points; no rows without.
+    pub links: GlossLinks,
 }
 
 impl Gloss {
@@ -122,17 +132,17 @@ pub fn decode(bytes: &[u8]) -> Result<GlossLayout, RbnError> {
     }
 }
 
-/// Checks glossy transfer of unknown origin, for a file with so many points.
+/// Checks glossy transfer of unknown origin, for a file with so many points, senders and emissive groups.
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn check(gloss: &Gloss, points: usize) -> Result<(), RbnError> {
+pub(crate) fn check(gloss: &Gloss, [points, senders, groups]: [usize; 3]) -> Result<(), RbnError> {
     if *gloss == Gloss::default() {
         return Ok(());
     }
     let layout = &gloss.layout;
     let components = layout.components as usize;
-    if !matches!(layout.channels, 1 | 3) || components > MAX_COMPONENTS {
+    if !matches!(layout.channels, 0 | 1 | 3) || components > MAX_COMPONENTS {
         return Err(RbnError::invalid("GLSY", "channels or components"));
     }
     let clusters = layout.clusters();
@@ -163,5 +173,5 @@ pub(crate) fn check(gloss: &Gloss, points: usize) -> Result<(), RbnError> {
     if gloss.weights.len() != gloss.matrices() * components {
         return Err(RbnError::invalid("GLWT", "it does not fit the matrices"));
     }
-    Ok(())
+    gloss_links::check(&gloss.links, &layout.emission, gloss.points.len(), [points, senders, groups])
 }

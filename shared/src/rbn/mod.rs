@@ -5,7 +5,7 @@
 //! * [`extras`] and `specular` – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
-//! * `gloss` – glossy transfer from distant light;
+//! * `gloss` – glossy transfer; `gloss_links` – its links from the scene's surfaces;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
@@ -20,6 +20,8 @@ pub mod container;
 pub mod extras;
 #[cfg(feature = "radiosity")]
 pub mod gloss;
+#[cfg(feature = "radiosity")]
+pub mod gloss_links;
 pub mod groups;
 pub mod light_groups;
 pub mod lightmap;
@@ -59,6 +61,8 @@ pub const LIGHTMAP_SECTIONS: [[u8; 4]; 4] = [*b"LMAP", *b"LMUV", *b"LMOF", *b"LM
 pub const RECONSTRUCTION_SECTIONS: [[u8; 4]; 4] = [*b"RGRP", *b"MGRP", *b"PGRP", *b"REFL"];
 /// Names of the optional sections of glossy transfer, after the sections above.
 pub const GLOSS_SECTIONS: [[u8; 4]; 5] = [*b"GLSY", *b"GLPT", *b"GLCL", *b"GLWT", *b"GLBS"];
+/// Names of the optional sections of glossy links and of the offsets of their rows, after those of glossy transfer.
+pub const GLOSS_LINK_SECTIONS: [[u8; 4]; 2] = [*b"GLLK", *b"GLLO"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -4,7 +4,7 @@
 
 use super::GlossSettings;
 use super::glossy_points::GlossyPoints;
-use super::matrix::{DIMENSIONS, MatrixGather, MatrixVector};
+use super::matrix::{MatrixGather, MatrixVector};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use rayon::prelude::*;
@@ -25,18 +25,23 @@ pub(super) struct Matrices {
 /// Points a task.
 const CHUNK: usize = 32;
 
-/// Norm ‖·‖₁ of a matrix, the largest of the channels.
-fn norm(vector: &[f32; DIMENSIONS]) -> f32 {
-    let channels = vector[..3 * COUNT * COUNT].chunks_exact(COUNT * COUNT);
+/// Value of function 0.
+const CONSTANT: f32 = 0.282_094_8;
+
+/// Norm ‖·‖₁ of a matrix, the largest of the channels. Of visibility alone, that of the column of an even environment: V y_0.
+fn norm(vector: &[f32]) -> f32 {
+    let (matrices, visibility) = vector.split_at(vector.len() - COUNT);
+    if matrices.is_empty() {
+        return CONSTANT * visibility.iter().map(|x| x.abs()).sum::<f32>();
+    }
+    let channels = matrices.chunks_exact(COUNT * COUNT);
     let column = |matrix: &[f32], j: usize| (0..COUNT).map(|i| matrix[i * COUNT + j].abs()).sum::<f32>();
     let largest = |matrix: &[f32]| (0..COUNT).fold(0.0f32, |most, j| most.max(column(matrix, j)));
     channels.fold(0.0, |most, matrix| most.max(largest(matrix)))
 }
 
-fn difference(a: &[f32; DIMENSIONS], b: &[f32; DIMENSIONS]) -> MatrixVector {
-    let mut out = Box::new(*a);
-    out.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
-    out
+fn difference(a: &[f32], b: &[f32]) -> MatrixVector {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 /// A level's matrices as they are, and whether each was refined.
@@ -50,8 +55,8 @@ struct LevelMatrices {
 
 impl LevelMatrices {
     /// The mean of the parents of a point.
-    fn parents_mean(&self, file: &BakedScene, point: usize) -> MatrixVector {
-        let (mut sum, mut total) = (Box::new([0.0; DIMENSIONS]), 0.0);
+    fn parents_mean(&self, file: &BakedScene, point: usize, dimensions: usize) -> MatrixVector {
+        let (mut sum, mut total): (MatrixVector, f32) = (vec![0.0; dimensions].into(), 0.0);
         for entry in file.push().row(point) {
             if let Some(parent) = self.whole.get(&(entry.point() as u32)) {
                 sum.iter_mut().zip(parent.iter()).for_each(|(sum, x)| *sum += x * entry.weight());
@@ -112,7 +117,7 @@ pub(super) fn matrices<S: Surfaces + ?Sized>(
         };
         type PointMatrix = (u32, MatrixVector, Option<MatrixVector>, u64);
         let compute = |point: &u32| -> PointMatrix {
-            let mean = known.parents_mean(file, *point as usize);
+            let mean = known.parents_mean(file, *point as usize, gather.dimensions());
             if !(is_first || is_refined(*point)) {
                 return (*point, mean, None, 0);
             }

@@ -6,8 +6,9 @@
 
 use super::GlossSettings;
 use super::adaptive::Matrices;
-use super::matrix::DIMENSIONS;
+use super::matrix::MatrixVector;
 use rayon::prelude::*;
+use rebounce_shared::harmonics::COUNT;
 use rebounce_shared::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
 
 /// Matrices of a cluster, about.
@@ -18,8 +19,6 @@ const MOST_CLUSTERS: usize = 64;
 const ROUNDS: usize = 8;
 /// Rounds of subspace iteration.
 const ITERATIONS: usize = 12;
-
-type Vector = [f32; DIMENSIONS];
 
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     // Eight sums, so that the compiler may use lanes.
@@ -35,29 +34,28 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest
 }
 
-fn distance_squared(a: &Vector, b: &Vector) -> f32 {
+fn distance_squared(a: &[f32], b: &[f32]) -> f32 {
     dot(a, a) - 2.0 * dot(a, b) + dot(b, b)
 }
 
-fn mean_of<'v>(vectors: impl Iterator<Item = &'v Vector>) -> Option<Box<Vector>> {
-    let (mut sum, mut count) = (Box::new([0.0; DIMENSIONS]), 0.0f32);
+fn mean_of<'v>(mut vectors: impl Iterator<Item = &'v [f32]>) -> Option<MatrixVector> {
+    let mut sum = MatrixVector::from(vectors.next()?);
+    let mut count = 1.0f32;
     for vector in vectors {
         sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += x);
         count += 1.0;
     }
-    (count > 0.0).then(|| {
-        sum.iter_mut().for_each(|x| *x /= count);
-        sum
-    })
+    sum.iter_mut().for_each(|x| *x /= count);
+    Some(sum)
 }
 
 /// Returns the cluster of each vector.
-fn clusters(vectors: &[&Vector], count: usize) -> Vec<usize> {
-    let seed = |k: usize| Box::new(*vectors[(2 * k + 1) * vectors.len() / (2 * count)]);
-    let mut means: Vec<Box<Vector>> = (0..count).map(seed).collect();
+fn clusters(vectors: &[&[f32]], count: usize) -> Vec<usize> {
+    let seed = |k: usize| MatrixVector::from(vectors[(2 * k + 1) * vectors.len() / (2 * count)]);
+    let mut means: Vec<MatrixVector> = (0..count).map(seed).collect();
     let mut out = vec![0; vectors.len()];
     for _ in 0..ROUNDS {
-        let nearest = |vector: &&Vector| {
+        let nearest = |vector: &&[f32]| {
             let distances = means.iter().map(|mean| distance_squared(vector, mean));
             let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
             least.map_or(0, |(cluster, _)| cluster)
@@ -76,7 +74,7 @@ fn clusters(vectors: &[&Vector], count: usize) -> Vec<usize> {
 }
 
 /// Makes vectors orthonormal (Gram and Schmidt, twice); what is left of dependent ones becomes zero.
-fn orthonormalise(vectors: &mut [Box<Vector>]) {
+fn orthonormalise(vectors: &mut [MatrixVector]) {
     for i in 0..vectors.len() {
         let (before, rest) = vectors.split_at_mut(i);
         let own = &mut rest[0];
@@ -93,15 +91,16 @@ fn orthonormalise(vectors: &mut [Box<Vector>]) {
 }
 
 /// The leading components of vectors without their mean.
-fn components(centred: &[Box<Vector>], count: usize) -> Vec<Box<Vector>> {
+fn components(centred: &[MatrixVector], count: usize, dimensions: usize) -> Vec<MatrixVector> {
+    let zero = || MatrixVector::from(vec![0.0; dimensions]);
     let start = |k: usize| match centred.len() {
-        0 => Box::new([0.0; DIMENSIONS]),
+        0 => zero(),
         len => centred[(2 * k + 1) * len / (2 * count)].clone(),
     };
-    let mut basis: Vec<Box<Vector>> = (0..count).map(start).collect();
+    let mut basis: Vec<MatrixVector> = (0..count).map(start).collect();
     orthonormalise(&mut basis);
     for _ in 0..ITERATIONS {
-        let mut next = vec![Box::new([0.0; DIMENSIONS]); count];
+        let mut next = vec![zero(); count];
         for vector in centred {
             for (next, own) in next.iter_mut().zip(&basis) {
                 let along = dot(&vector[..], &own[..]);
@@ -121,10 +120,8 @@ fn to_bytes(numbers: &[f32]) -> (Vec<u8>, f32) {
     (numbers.iter().map(|x| (x / scale).round() as i8 as u8).collect(), scale)
 }
 
-fn from_bytes(bytes: &[u8], scale: f32) -> Box<Vector> {
-    let mut out = Box::new([0.0; DIMENSIONS]);
-    out.iter_mut().zip(bytes).for_each(|(x, byte)| *x = f32::from(*byte as i8) * scale);
-    out
+fn from_bytes(bytes: &[u8], scale: f32) -> MatrixVector {
+    bytes.iter().map(|byte| f32::from(*byte as i8) * scale).collect()
 }
 
 /// A compressed cluster.
@@ -138,19 +135,19 @@ struct Compressed {
     lost: f64,
 }
 
-fn compress(members: &[&Vector], count: usize) -> Compressed {
-    let mean = mean_of(members.iter().copied()).unwrap_or_else(|| Box::new([0.0; DIMENSIONS]));
+fn compress(members: &[&[f32]], count: usize, dimensions: usize) -> Compressed {
+    let mean = mean_of(members.iter().copied()).unwrap_or_else(|| vec![0.0; dimensions].into());
     let (bytes, scale) = to_bytes(&mean[..]);
     let mean = from_bytes(&bytes, scale);
-    let centre = |member: &&Vector| {
-        let mut own = Box::new(**member);
+    let centre = |member: &&[f32]| {
+        let mut own = MatrixVector::from(*member);
         own.iter_mut().zip(mean.iter()).for_each(|(x, mean)| *x -= mean);
         own
     };
-    let centred: Vec<Box<Vector>> = members.iter().map(centre).collect();
+    let centred: Vec<MatrixVector> = members.iter().map(centre).collect();
     let (mut vectors, mut vector_scales) = (bytes, vec![scale]);
     let mut stored = Vec::new();
-    for component in components(&centred, count) {
+    for component in components(&centred, count, dimensions) {
         let (bytes, scale) = to_bytes(&component[..]);
         stored.push(from_bytes(&bytes, scale));
         vectors.extend(bytes);
@@ -179,17 +176,15 @@ fn compress(members: &[&Vector], count: usize) -> Compressed {
 /// that of the matrices.
 pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss, f64) {
     let components = settings.components;
-    let all: Vec<&Vector> = found.matrices.iter().map(|matrix| &**matrix).collect();
-    if all.is_empty() {
-        return Default::default();
-    }
+    let all: Vec<&[f32]> = found.matrices.iter().map(|matrix| &**matrix).collect();
+    let Some(dimensions) = all.first().map(|first| first.len()) else { return Default::default() };
     let count = all.len().div_ceil(PER_CLUSTER).min(MOST_CLUSTERS);
     let cluster_of = clusters(&all, count);
-    let members = |k: usize| -> Vec<&Vector> {
+    let members = |k: usize| -> Vec<&[f32]> {
         all.iter().zip(&cluster_of).filter(|(_, cluster)| **cluster == k).map(|(vector, _)| *vector).collect()
     };
     let packed: Vec<Compressed> =
-        (0..count).into_par_iter().map(|k| compress(&members(k), components as usize)).collect();
+        (0..count).into_par_iter().map(|k| compress(&members(k), components as usize, dimensions)).collect();
     let power: f64 = all.iter().map(|own| f64::from(dot(&own[..], &own[..]))).sum();
     let lost: f64 = packed.iter().map(|cluster| cluster.lost).sum();
     let mut next = vec![0; count];
@@ -204,13 +199,14 @@ pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSetti
     }
     let layout = GlossLayout {
         has_direct: settings.has_direct,
-        roughness: [settings.metals, settings.dielectrics],
-        channels: 3,
+        channels: (dimensions / (COUNT * COUNT)) as u32,
         components,
         vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
         weight_scales: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
+        emission: Vec::new(),
     };
     let vectors = packed.into_iter().flat_map(|cluster| cluster.vectors).collect();
-    let gloss = Gloss { layout, points: points.to_vec(), clusters: by_point, weights, vectors };
+    let points = points.to_vec();
+    let gloss = Gloss { layout, points, clusters: by_point, weights, vectors, ..Gloss::default() };
     (gloss, (lost / power.max(1e-30)).sqrt())
 }

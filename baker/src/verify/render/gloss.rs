@@ -13,9 +13,9 @@ pub(super) struct Reflections {
 }
 
 impl Reflections {
-    /// Applies the glossy transfer of a file; `None` if it has none.
-    pub fn new(scene: &BakedScene, lighting: &Lighting) -> Option<Self> {
-        let field = GlossyField::new(scene, lighting);
+    /// Applies the glossy transfer of a file to what its senders send; `None` if it has none.
+    pub fn new(scene: &BakedScene, lighting: &Lighting, sent: &[Vec3]) -> Option<Self> {
+        let field = GlossyField::new(scene, lighting, sent);
         (!field.is_empty()).then_some(Self { field })
     }
 

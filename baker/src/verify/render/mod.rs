@@ -59,6 +59,8 @@ pub struct Relit {
     /// Light of every point along the point's normal: irradiance of the bounced light, and of the light straight from
     /// the sky and emissive surfaces.
     irradiance: Vec<PointLight>,
+    /// What the [senders send](relight::sent_after_bounces); empty in fixed solutions.
+    sent: Vec<Vec3>,
     /// The same light at the texels of the file's lightmap; empty without one.
     lightmap: MixedLightmap,
     /// Group of emissive surfaces of each material.
@@ -127,9 +129,9 @@ impl Relit {
                 &clipped
             }
         };
-        let mut irradiance = match (by_radiosity, scene.is_solved()) {
+        let (mut irradiance, sent) = match (by_radiosity, scene.is_solved()) {
             (true, _) => gathered(scene, surfaces, &lighting, (&accelerator, motions)),
-            (_, true) => mixed(scene, &lighting),
+            (_, true) => (mixed(scene, &lighting), Vec::new()),
             (_, false) => relit(scene, surfaces, &lighting),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
@@ -144,13 +146,13 @@ impl Relit {
             false => MixedLightmap::default(),
         };
         let group_of = scene.sources.group_of_materials();
-        Self { lighting, irradiance, lightmap, group_of, basis, reach, motions, reflections: None }
+        Self { lighting, irradiance, sent, lightmap, group_of, basis, reach, motions, reflections: None }
     }
 
     /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. `scene` is that of
     /// [`Self::new`].
     pub fn with_gloss(self, scene: &BakedScene) -> Self {
-        Self { reflections: Reflections::new(scene, &self.lighting), ..self }
+        Self { reflections: Reflections::new(scene, &self.lighting, &self.sent), ..self }
     }
 
     /// Interpolates the points' light at a surface element of a reconstruction group, RGB, local space: without detail,
@@ -277,8 +279,11 @@ impl Relit {
     }
 }
 
+/// Light of the points, and what the senders send.
+type PointsAndSenders = (Vec<PointLight>, Vec<Vec3>);
+
 /// Returns the light of the points of a file whose lights move.
-fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> Vec<PointLight> {
+fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> PointsAndSenders {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
@@ -287,9 +292,10 @@ fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> V
         .enumerate()
         .map(|(i, point)| direct::at_footprint(surfaces, &lighting.lamps, point) + source(i))
         .collect();
-    let bounced = relight::relight(scene, direct);
+    let sent = relight::sent_after_bounces(scene, direct);
+    let bounced = relight::transport(scene, &sent, scene.points.len());
     let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
-    bounced.into_iter().enumerate().map(light).collect()
+    (bounced.into_iter().enumerate().map(light).collect(), sent)
 }
 
 /// Returns the light of the points of a file without links, or of one whose groups have moved, by radiosity.
@@ -298,7 +304,7 @@ fn gathered(
     surfaces: &impl Surfaces,
     lighting: &Lighting,
     (accelerator, motions): (&Accelerator, &Motions),
-) -> Vec<PointLight> {
+) -> PointsAndSenders {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
@@ -311,8 +317,10 @@ fn gathered(
     let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {
         receivers.par_iter().map(|receiver| gather(*receiver)).collect()
     });
+    let all: Vec<Vec3> = direct.iter().zip(&solution.irradiance).map(|(e, bounced)| *e + *bounced).collect();
+    let sent = relight::sent(scene, &all);
     let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
-    solution.irradiance.into_iter().enumerate().map(light).collect()
+    (solution.irradiance.into_iter().enumerate().map(light).collect(), sent)
 }
 
 /// Returns the light of the points of a fixed solution.

@@ -98,7 +98,7 @@ impl BakedScene {
         #[cfg(feature = "radiosity")]
         self.check_light_groups()?;
         #[cfg(feature = "radiosity")]
-        gloss::check(&self.gloss, self.points.len())?;
+        gloss::check(&self.gloss, [self.points.len(), senders, self.sources.groups.len()])?;
         Ok(())
     }
 
