@@ -244,7 +244,8 @@ impl Renderer {
         #[cfg(feature = "radiosity")]
         let charted = charted
             | flag(
-                self.mode == Mode::All && scene.is_some_and(|scene| scene.gloss.is_some()),
+                self.mode == Mode::All
+                    && scene.is_some_and(|scene| scene.gloss.is_some() && scene.by_radiosity().is_none()),
                 composite::GLOSSY,
             );
         #[cfg(not(feature = "radiosity"))]

@@ -15,7 +15,7 @@ impl Renderer {
                 true => lighting.sky_coefficients(),
                 false => lighting.distant_coefficients(),
             };
-            gloss.light(&self.gpu, encoder, kernels, &light);
+            gloss.light(&self.gpu, encoder, kernels, &light, &lighting.emission);
         }
     }
 

@@ -8,6 +8,7 @@ use crate::gpu::{Gpu, MAX_BINDING};
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::glam::Vec3;
 use rebounce_shared::harmonics::{COUNT, Coefficients};
 use rebounce_shared::rbn::gloss::GlossLayout;
 use std::cell::RefCell;
@@ -24,7 +25,8 @@ struct PassUniform {
     channels: u32,
     components: u32,
     vectors: u32,
-    pad: [u32; 2],
+    points: u32,
+    pad: u32,
 }
 
 /// Bytes between the uniforms of two dispatches.
@@ -36,6 +38,18 @@ const NOWHERE: u32 = u32::MAX;
 pub struct GlossKernels {
     vectors: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     arrive: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    links: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+}
+
+/// What a dispatch runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kernel {
+    /// light_vectors.wgsl, over all vectors.
+    Vectors,
+    /// arrive.wgsl, over the points of a level.
+    Arrive,
+    /// gloss_links.wgsl, over the points of a level that have links.
+    Links,
 }
 
 impl GlossKernels {
@@ -52,6 +66,7 @@ impl GlossKernels {
         Self {
             vectors: made("light_vectors", shaders::LIGHT_VECTORS, 3),
             arrive: made("arrive", shaders::ARRIVE, 7),
+            links: made("gloss_links", shaders::GLOSS_LINKS, 6),
         }
     }
 }
@@ -65,24 +80,27 @@ pub struct GpuGloss {
     /// By point of the transfer, coefficients of what arrives: RGB, and of visibility.
     pub arriving: wgpu::Buffer,
     sky: wgpu::Buffer,
+    /// Radiance of the groups of emissive surfaces.
+    emission: wgpu::Buffer,
     vectors: wgpu::BindGroup,
     arrive: wgpu::BindGroup,
-    /// Workgroups of each dispatch.
-    grids: Vec<[u32; 2]>,
+    links: wgpu::BindGroup,
+    /// Dispatches in order, with their workgroups.
+    plan: Vec<(Kernel, [u32; 2])>,
     /// Coefficients of the distant light that has arrived.
     lit_by: RefCell<Option<Box<Coefficients>>>,
     own: Scope,
 }
 
 impl GpuGloss {
-    /// Uploads the transfer of a scene; `None` without any.
+    /// Uploads the transfer of a scene; `None` without any. `sent` is what its senders send.
     ///
     /// # Errors
     /// [`ViewerError::TooLarge`] where something is larger than a binding.
     pub fn new(
         gpu: &Gpu,
         kernels: &GlossKernels,
-        upload: &Upload,
+        (upload, sent): (&Upload, &wgpu::Buffer),
         scene: &BakedScene,
     ) -> Result<Option<Self>, ViewerError> {
         let gloss = &scene.gloss;
@@ -115,7 +133,7 @@ impl GpuGloss {
         let sky = empty_buffer(&own, "sky coefficients", storage, (16 * COUNT) as u64);
         let arriving = empty_buffer(&own, "arriving", storage, bytes);
         let places = stored("places", bytemuck::cast_slice(&places));
-        let (passes, grids) = dispatches(scene, vectors as u32);
+        let (passes, plan) = dispatches(scene, vectors as u32);
         let mut content = vec![0u8; STRIDE as usize * passes.len()];
         for (slot, pass) in content.chunks_mut(STRIDE as usize).zip(&passes) {
             slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(pass));
@@ -132,47 +150,63 @@ impl GpuGloss {
         let weight_scales = stored("weight scales", bytemuck::cast_slice(&layout.weight_scales));
         let members = stored("GLPT", bytemuck::cast_slice(&members));
         let of_vectors = [&entries, &scales, &sky, &lit];
+        let (link_offsets, links) = (&gloss.links.offsets, &gloss.links.links);
+        let link_offsets = stored("GLLO", bytemuck::cast_slice(link_offsets));
+        let links = stored("GLLK", bytemuck::cast_slice(links));
+        let emission = empty_buffer(&own, "reflected emission", storage, 16 * layout.emission.len() as u64);
+        let of_links = [&members, &upload.points, &link_offsets, &links, sent, &emission, &arriving];
         let (offsets, rows) = (&upload.push_offsets, &upload.push_entries);
         let of_points = [&members, &weights, &weight_scales, &lit, offsets, rows, &places, &arriving];
         Ok(Some(Self {
             vectors: make("light vectors", &kernels.vectors.0, &of_vectors),
             arrive: make("arrive", &kernels.arrive.0, &of_points),
+            links: make("gloss links", &kernels.links.0, &of_links),
+            emission,
             layout: layout.clone(),
             places,
             arriving,
             sky,
-            grids,
+            plan,
             lit_by: RefCell::default(),
             own,
         }))
     }
 
-    /// Applies the transfer to distant light, if it is other light than before. Returns whether it is.
+    /// Applies the transfer to distant light, and to what the senders send, after a change of either. `emission` is the factor
+    /// of each group of emissive surfaces.
     pub fn light(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         kernels: &GlossKernels,
         sky: &Coefficients,
-    ) -> bool {
+        emission: &[Vec3],
+    ) {
+        let has_links = self.plan.iter().any(|(kernel, _)| *kernel == Kernel::Links);
         let mut lit_by = self.lit_by.borrow_mut();
-        if lit_by.as_deref() == Some(sky) {
-            return false;
+        let is_same_sky = lit_by.as_deref() == Some(sky);
+        if is_same_sky && !has_links {
+            return;
         }
         *lit_by = Some(Box::new(*sky));
         let rows: Vec<[f32; 4]> = sky.iter().map(|c| c.extend(0.0).to_array()).collect();
         gpu.queue.write_buffer(&self.sky, 0, bytemuck::cast_slice(&rows));
+        let radiance = self.layout.emission.iter().zip(emission);
+        let radiance = radiance.map(|(radiance, factor)| (Vec3::from(*radiance) * *factor).extend(0.0));
+        let radiance: Vec<[f32; 4]> = radiance.map(|row| row.to_array()).collect();
+        gpu.queue.write_buffer(&self.emission, 0, bytemuck::cast_slice(&radiance));
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        for (i, [x, y]) in self.grids.iter().enumerate() {
-            let (pipeline, bind) = match i {
-                0 => (&kernels.vectors.1, &self.vectors),
-                _ => (&kernels.arrive.1, &self.arrive),
+        for (i, (kernel, [x, y])) in self.plan.iter().enumerate() {
+            let ((_, pipeline), bind) = match kernel {
+                Kernel::Vectors if is_same_sky => continue,
+                Kernel::Vectors => (&kernels.vectors, &self.vectors),
+                Kernel::Arrive => (&kernels.arrive, &self.arrive),
+                Kernel::Links => (&kernels.links, &self.links),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[(i as u64 * STRIDE) as u32]);
             pass.dispatch_workgroups(*x, *y, 1);
         }
-        true
     }
 
     /// Bytes on the GPU.
@@ -181,27 +215,38 @@ impl GpuGloss {
     }
 }
 
-/// Uniforms and workgroups: of the vectors, then of each level of points.
-fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<PassUniform>, Vec<[u32; 2]>) {
+/// Uniforms of the dispatches, and the dispatches: over the vectors, then over each level of points, and over those with links.
+fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<PassUniform>, Vec<(Kernel, [u32; 2])>) {
     let gloss = &scene.gloss;
-    let before = |end: usize| gloss.points.partition_point(|point| (*point as usize) < end);
-    let of_level = |range: Range<usize>| (before(range.start), before(range.end));
-    let levels = (0..scene.meta.levels.len()).map(|l| of_level(scene.level(l)));
-    let mut passes = Vec::new();
-    let mut grids = Vec::new();
-    for (first, end) in std::iter::once((0, 0)).chain(levels.filter(|(first, end)| first < end)) {
-        let count = if passes.is_empty() { vectors } else { (end - first) as u32 };
-        let [x, y] = grid((count * COUNT as u32).div_ceil(WORKGROUP));
+    let (mut passes, mut plan) = (Vec::new(), Vec::new());
+    let mut push = |kernel: Kernel, range: Range<usize>, threads: usize| {
+        let [x, y] = grid((threads as u32).div_ceil(WORKGROUP));
         passes.push(PassUniform {
-            first: first as u32,
-            count,
+            first: range.start as u32,
+            count: range.len() as u32,
             groups: x,
             channels: gloss.layout.channels,
             components: gloss.layout.components,
             vectors,
-            pad: [0; 2],
+            points: scene.points.len() as u32,
+            pad: 0,
         });
-        grids.push([x, y]);
+        plan.push((kernel, [x, y]));
+    };
+    if vectors > 0 {
+        push(Kernel::Vectors, 0..0, vectors as usize * COUNT);
     }
-    (passes, grids)
+    let before = |end: usize| gloss.points.partition_point(|point| (*point as usize) < end);
+    for level in (0..scene.meta.levels.len()).map(|l| scene.level(l)) {
+        let range = before(level.start)..before(level.end);
+        if range.is_empty() {
+            continue;
+        }
+        push(Kernel::Arrive, range.clone(), range.len() * COUNT);
+        let linked = range.start..range.end.min(gloss.links.len());
+        if linked.clone().any(|place| !gloss.links.row(place).is_empty()) {
+            push(Kernel::Links, linked.clone(), linked.len());
+        }
+    }
+    (passes, plan)
 }

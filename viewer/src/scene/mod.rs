@@ -175,7 +175,7 @@ impl GpuScene {
             true => Ok(None),
             false => {
                 let kernels = loaders.gloss.get_or_init(|| GlossKernels::new(gpu));
-                GpuGloss::new(gpu, kernels, &upload, &scene)
+                GpuGloss::new(gpu, kernels, (&upload, &relight.sent), &scene)
             }
         })?;
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;

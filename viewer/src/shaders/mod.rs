@@ -99,10 +99,13 @@ modules! {
     LIGHTMAP: "octahedral" "frame" "model" "lightmap";
     /// Glossy transfer: vectors of clusters under distant light.
     #[cfg(feature = "radiosity")]
-    LIGHT_VECTORS: "gloss_pass" "light_vectors";
+    LIGHT_VECTORS: "harmonics" "gloss_pass" "light_vectors";
     /// Glossy transfer: light that arrives at points.
     #[cfg(feature = "radiosity")]
-    ARRIVE: "link" "gloss_pass" "arrive";
+    ARRIVE: "link" "harmonics" "gloss_pass" "arrive";
+    /// Glossy links.
+    #[cfg(feature = "radiosity")]
+    GLOSS_LINKS: "octahedral" "point" "harmonics" "gloss_pass" "gloss_links";
     /// Glossy transfer: reflections of the visible surfaces.
     #[cfg(feature = "radiosity")]
     REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "ggx" "fullscreen" "reflections";

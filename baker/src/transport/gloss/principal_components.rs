@@ -203,7 +203,7 @@ pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSetti
         components,
         vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
         weight_scales: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
-        emission: Vec::new(),
+        ..GlossLayout::default()
     };
     let vectors = packed.into_iter().flat_map(|cluster| cluster.vectors).collect();
     let points = points.to_vec();

@@ -147,6 +147,9 @@ pub struct Relight {
     pub display: wgpu::Buffer,
     /// Light levels for the automatic exposure (light_level.wgsl); zero without light.
     pub levels: wgpu::Buffer,
+    /// What the senders send, with the light of later bounces, RGB.
+    #[cfg(feature = "radiosity")]
+    pub sent: wgpu::Buffer,
     steps: wgpu::Buffer,
     /// `CachedEvaluation` of direct.wgsl.
     choice: wgpu::Buffer,
@@ -244,6 +247,8 @@ impl Relight {
             shared: pipelines.shared.clone(),
             irradiance,
             display,
+            #[cfg(feature = "radiosity")]
+            sent,
             levels,
             steps,
             choice,
@@ -316,6 +321,8 @@ impl Relight {
         encoder.clear_buffer(&self.display, 0, None);
         #[cfg(feature = "radiosity")]
         encoder.clear_buffer(&self.irradiance, 0, None);
+        #[cfg(feature = "radiosity")]
+        encoder.clear_buffer(&self.sent, 0, None);
         encoder.clear_buffer(&self.levels, 0, None);
     }
 

@@ -10,11 +10,11 @@ struct GlossPass {
     components: u32,
     // Vectors of all clusters.
     vectors: u32,
+    // Points of the file: senders beyond are groups of emissive surfaces.
+    points: u32,
 }
 
 @group(0) @binding(0) var<uniform> pass_: GlossPass;
-
-const HARMONICS = 25u;
 
 // A signed byte of packed ones.
 fn signed_byte(word: u32, i: u32) -> f32 {
