@@ -430,7 +430,7 @@ impl BakedScene {
                 texels: records("LMTX", bytes(*b"LMTX")?)?,
             };
         }
-        if GLOSS_SECTIONS.into_iter().any(has) {
+        if GLOSS_SECTIONS.into_iter().chain(GLOSS_LINK_SECTIONS).any(has) {
             let unpacked = |name: [u8; 4]| {
                 let packed = bytes(name)?;
                 let most = packed.len().saturating_mul(MOST_TIMES);
