@@ -111,3 +111,6 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         (out, rays)
     }
 }
+
+#[cfg(test)]
+mod tests;
