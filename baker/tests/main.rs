@@ -19,6 +19,7 @@ mod examples;
 mod export;
 mod first_view;
 mod furnace;
+mod gloss;
 mod gloss_links;
 mod gltf;
 mod ground;

@@ -114,6 +114,16 @@ pub fn lit(functions: usize) -> Result<BakedScene> {
     Ok(bake(&all_lights()?, &settings(functions), &())?.0)
 }
 
+/// Bakes [`all_lights`] in metal, with glossy transfer.
+///
+/// # Errors
+/// Errors of loading and of the bake.
+pub fn shining(functions: usize) -> Result<BakedScene> {
+    let mut scene = all_lights()?;
+    scene.materials.iter_mut().for_each(|material| (material.metallic, material.roughness) = (1.0, 0.4));
+    Ok(bake(&scene, &settings(functions), &())?.0)
+}
+
 /// Solves [`all_lights`] with a few functions.
 ///
 /// # Errors

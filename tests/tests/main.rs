@@ -17,6 +17,7 @@ mod direct;
 mod display;
 mod environment;
 mod exposure;
+mod gloss;
 mod kinds;
 mod moving;
 mod openness;

@@ -1,5 +1,5 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-scale`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-scale`, `bench-gloss`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
 //! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
@@ -20,6 +20,7 @@ mod function_order;
 mod fuzz;
 mod fuzz_step;
 mod gate;
+mod gloss;
 mod install;
 mod installed;
 mod integrity;
@@ -79,6 +80,9 @@ cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      the rows of triangles, and noisier errors
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
+cargo xtask bench-gloss [--quick]
+                     a metal trophy under two environments beside the path tracer, with glossy transfer of several kinds
+                     and sizes; writes docs/reports/gloss.md, --quick only prints
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
 cargo xtask fuzz-step [--files N] [--seed S] [--from DIR]
@@ -130,6 +134,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-cad") => bench_cad::run(&args[1..]),
         Some("bench-radiosity") => bench_radiosity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
+        Some("bench-gloss") => gloss::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("audit") => audit::run(&args[1..]),

@@ -11,6 +11,7 @@ mod gallery;
 mod library;
 mod sky;
 mod theatre;
+mod trophy;
 mod two_rooms;
 mod walls;
 
@@ -24,7 +25,7 @@ use std::f64::consts::TAU;
 use two_rooms::Door;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 17] = [
+pub const NAMES: [&str; 18] = [
     "apartment",
     "arcade",
     "attic",
@@ -38,6 +39,7 @@ pub const NAMES: [&str; 17] = [
     "teapot",
     "theatre",
     "tori",
+    "trophy",
     "two-rooms",
     "two-rooms-door",
     "two-rooms-leaf",
@@ -59,6 +61,7 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "gallery" => Ok(gallery::scene()),
         "library" => Ok(library::scene()),
         "theatre" => Ok(theatre::scene()),
+        "trophy" => Ok(trophy::scene()),
         "two-rooms" => Ok(two_rooms::scene(name, Door::None)),
         "two-rooms-door" => Ok(two_rooms::scene(name, Door::Open)),
         "two-rooms-leaf" => Ok(two_rooms::scene(name, Door::Leaf(0.0))),
@@ -296,6 +299,15 @@ mod tests {
         // No sky in the attic but through its window, and none at all in the corridor.
         assert_eq!(all_fronts(&corridor::scene(), corridor::scene().cameras[0].position), 10_000);
         assert!(all_fronts(&attic::scene(), attic::scene().cameras[0].position) > 9_700);
+    }
+
+    #[test]
+    fn the_trophy_shows_fronts_of_metal_and_of_what_it_reflects() {
+        let scene = trophy::scene();
+        assert!(all_fronts(&scene, scene.cameras[0].position) > 1_000);
+        assert!(all_fronts(&scene, [0.0, 1.42, 0.0]) > 5_000);
+        let metals = scene.materials.iter().filter(|material| material.metallic == 1.0).count();
+        assert_eq!((metals, scene.triangles.len() < 10_000), (1, true));
     }
 
     #[test]

@@ -5,7 +5,8 @@ use libfuzzer_sys::fuzz_target;
 use rebounce_fuzz::bounded;
 use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
-use rebounce_shared::rbn::codec::{columns, links};
+use rebounce_shared::rbn::codec::{MOST_TIMES, Reader, Writer, columns, links};
+use rebounce_shared::rbn::gloss;
 use rebounce_shared::rbn::light_groups::{self, GroupValue};
 use rebounce_shared::rbn::lightmap::{self, ChartOffset, Texel, TexelCoordinates};
 use rebounce_shared::rbn::{RbnError, meta, sources};
@@ -21,6 +22,14 @@ fn rows<E: links::Beside + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
     assert_eq!(links::decode::<E>(&links::encode(&offsets, &entries)), Ok((offsets, entries)));
 }
 
+fn plain(bytes: &[u8]) {
+    let read = |bytes: &[u8]| Reader::new(bytes).bytes_up_to(bytes.len().saturating_mul(MOST_TIMES));
+    let Ok(contents) = bounded(bytes.len(), 0, || read(bytes)) else { return };
+    let mut writer = Writer::default();
+    writer.bytes(&contents);
+    assert_eq!(read(&writer.finish(contents.len())).expect("what was packed"), contents);
+}
+
 /// Bincode of a section: what is read can be written and read again.
 fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl Fn(&T) -> Vec<u8>) {
     let Ok(contents) = bounded(bytes.len(), 0, || decode(bytes)) else { return };
@@ -30,7 +39,7 @@ fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 17 {
+    match which % 22 {
         0 => whole(section, meta::decode, |meta| meta::encode(meta).expect("it was as small before")),
         1 => records::<Vertex>(section),
         2 => records::<u32>(section),
@@ -54,6 +63,10 @@ fuzz_target!(|bytes: &[u8]| {
         }),
         14 => records::<TexelCoordinates>(section),
         15 => records::<ChartOffset>(section),
-        _ => records::<Texel>(section),
+        16 => records::<Texel>(section),
+        17 => whole(section, gloss::decode, |layout| gloss::encode(layout).expect("it was as small before")),
+        18 => records::<u32>(section),
+        // Clusters, weights and vectors of glossy transfer.
+        _ => plain(section),
     }
 });

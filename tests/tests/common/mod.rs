@@ -61,6 +61,12 @@ pub fn indirect(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3>
     bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
 }
 
+/// Returns the viewer's radiance of all light for its camera and lights.
+pub fn radiance(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3> {
+    let bytes = pollster::block_on(renderer.read_radiance(width, height).unwrap().wait()).unwrap();
+    bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
+}
+
 /// Returns the RMS difference relative to the CPU's picture, and the bias.
 pub fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
     let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f32 { ours.iter().zip(truth).map(|(a, b)| f(*a, *b)).sum() };

@@ -80,3 +80,6 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         (out, rays)
     }
 }
+
+#[cfg(test)]
+mod tests;
