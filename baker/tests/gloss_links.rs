@@ -7,6 +7,7 @@ use rebounce::transport::gloss::Transfer;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::gloss::GlossyField;
 use rebounce_shared::lighting::Lighting;
+use rebounce_shared::rbn::gloss_links::GlossLink;
 use rebounce_shared::relight;
 use std::f32::consts::TAU;
 
@@ -62,7 +63,8 @@ fn rows_of_links_are_short_and_keep_the_light_of_all_their_rays() {
     let mut rows = 0;
     for row in file.gloss.links.iter().filter(|row| !row.is_empty()) {
         let is_point = |sender: u32| (sender as usize) < file.points.len();
-        let (points, groups): (Vec<_>, Vec<_>) = row.iter().partition(|link| is_point(link.sender));
+        let (points, groups): (Vec<GlossLink>, Vec<GlossLink>) =
+            row.iter().partition(|link| is_point(link.sender));
         assert!(points.len() <= 128, "{}", points.len());
         // The hemisphere, times albedo over π for what is reflected.
         for (links, whole) in [(points, 1.0), (groups, TAU)] {

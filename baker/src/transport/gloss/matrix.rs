@@ -45,7 +45,7 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
 
     /// Returns the matrix of a point, and the number of rays.
     pub fn matrix(&self, point: usize) -> (MatrixVector, u64) {
-        let normal = self.rays.points().points[point].normal;
+        let normal = self.rays.points().points[point].geometric_normal;
         let mut out: MatrixVector = vec![0.0; self.dimensions()].into();
         let (matrices, visibility) = out.split_at_mut(self.dimensions() - COUNT);
         let mut open = [[0.0; COUNT]; COUNT];

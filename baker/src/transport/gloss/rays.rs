@@ -1,4 +1,5 @@
-//! Rays over the hemispheres of points. All points have the same directions, spherical Fibonacci points: neighbours err alike, so
+//! Rays over the hemispheres of points, those of the true surface: what the shading normal has beyond, the surface itself would
+//! hide. All points have the same directions, spherical Fibonacci points: neighbours err alike, so
 //! that differences between them are light and not noise.
 
 use crate::geometry::{Hit, Ray, Surfaces};
@@ -56,8 +57,7 @@ impl<'a, S: Surfaces + ?Sized> PointRays<'a, S> {
         let origin = at.position + at.geometric_normal * self.surfaces.epsilon_at(at.position);
         let mut rays = 0;
         for (number, (direction, y)) in self.directions.iter().enumerate() {
-            // A ray below the true surface meets what the point is on.
-            if direction.dot(at.normal) <= 0.0 || direction.dot(at.geometric_normal) <= 0.0 {
+            if direction.dot(at.geometric_normal) <= 0.0 {
                 continue;
             }
             rays += 1;
