@@ -16,7 +16,8 @@ fn shining() -> BakedScene {
         weight_scales: vec![2.0, 0.0],
     };
     let vectors = (0..4 * layout.dimensions()).map(|i| (i * i % 251) as u8).collect();
-    scene.gloss = Gloss { layout, points: vec![0, 1], clusters: vec![1, NO_MATRIX], weights: vec![200], vectors };
+    scene.gloss =
+        Gloss { layout, points: vec![0, 1], clusters: vec![1, NO_MATRIX], weights: vec![200], vectors };
     scene
 }
 

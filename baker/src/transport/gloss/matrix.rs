@@ -69,7 +69,7 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         let origin = at.position + at.geometric_normal * self.surfaces.epsilon_at(at.position);
         let (mut out, mut rays) = (Box::new([0.0; DIMENSIONS]), 0);
         let mut open = [[0.0; COUNT]; COUNT];
-        let mut visibility = [0.0; COUNT];
+        let (mut visibility, mut all) = ([0.0; COUNT], [0.0; COUNT]);
         let solid_angle = 2.0 * TAU / self.directions.len() as f32;
         let mut weights = Vec::new();
         for (number, (direction, y)) in self.directions.iter().enumerate() {
@@ -78,12 +78,14 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
             }
             let below = evaluate(mirrored(*direction, at.normal));
             let received: [f32; COUNT] = std::array::from_fn(|i| solid_angle * (y[i] + below[i]));
-            // A ray below the true surface meets what the point is on.
-            if direction.dot(at.geometric_normal) <= 0.0 {
-                continue;
-            }
+            all.iter_mut().zip(received).for_each(|(sum, r)| *sum += r);
             rays += 1;
-            let ray = Ray { origin, direction: *direction, max_distance: f32::INFINITY, spread: 0.02 };
+            // Below the true surface a ray meets what the point is on; without it, smooth things have dark rims.
+            let direction = match direction.dot(at.geometric_normal) > 0.0 {
+                true => *direction,
+                false => mirrored(*direction, at.geometric_normal),
+            };
+            let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.02 };
             let seed = mix(number as u64) as u32;
             let Some(hit) = self.surfaces.cast(&ray, seed) else {
                 for ((row, sum), r) in open.iter_mut().zip(&mut visibility).zip(received) {
@@ -106,6 +108,11 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
             for channel in out[..3 * COUNT * COUNT].chunks_exact_mut(COUNT * COUNT) {
                 channel.iter_mut().zip(open.as_flattened()).for_each(|(entry, open)| *entry += open);
             }
+        }
+        // A control variate: directions are not as evenly spread above a plane as over the sphere, where an open point sees 1.
+        let share = visibility[0] / all[0];
+        for (i, (v, all)) in visibility.iter_mut().zip(all).enumerate() {
+            *v += share * (if i == 0 { (2.0 * TAU).sqrt() } else { 0.0 } - all);
         }
         out[3 * COUNT * COUNT..].copy_from_slice(&visibility);
         (out, rays)
