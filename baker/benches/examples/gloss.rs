@@ -138,6 +138,7 @@ fn main() -> Result<()> {
         "\nBytes are those of the sections in the file, clusters' vectors included: {most:.0} a matrix at"
     );
     println!("most, {than} than {MOST_BYTES:.0}. An uncompressed matrix has 7,600.");
+    println!("\n{ADVICE}");
     Ok(())
 }
 
