@@ -7,6 +7,7 @@ use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::{Only, Picture};
 use rebounce::scene::Scene;
+use rebounce::transport::gloss::GlossSettings;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::Relit;
 use rebounce_shared::baked::BakedScene;
@@ -154,7 +155,7 @@ fn arriving_light_is_linear_in_the_light() {
         radius_deg: 0.3,
     };
     let colours = colours();
-    let of = |lights: &[Light]| GlossyField::new(&file, &lighting(&file, lights, Some(&colours)));
+    let of = |lights: &[Light]| GlossyField::new(&file, &lighting(&file, lights, Some(&colours)), &[]);
     let twice = Light::Environment { file: None, rotation_deg: 0.0, intensity: 2.0, color: [1.0; 3] };
     let [sky, sun, both] = [of(&[SKY]), of(std::slice::from_ref(&sun)), of(&[twice, sun])];
     let (mut compared, mut bounced) = (0, 0.0f32);
@@ -238,17 +239,19 @@ fn transfer_survives_the_file_and_is_the_same_with_any_number_of_threads() {
 #[test]
 fn a_ceiling_over_a_metal_plate_hides_its_solid_angle_of_the_sky() {
     // Of 2π: the fixed directions, interpolation between points, and rounding to bytes.
-    const MOST: f32 = 0.02;
+    const MOST: f32 = 0.01;
     const HEIGHT: f32 = 0.8;
     let half = Vec2::new(0.9, 0.5);
     let mut scene = empty(vec![metal([0.9; 3], 0.4), matt([0.0; 3])], Vec3::new(0.0, 2.0, 4.0));
     add_quad(&mut scene, Vec3::ZERO, [Vec3::Z, Vec3::X], 0);
     add_quad(&mut scene, Vec3::Y * HEIGHT, [Vec3::X * half.x, Vec3::Z * half.y], 1);
-    let file = baked(&scene, 2_000);
-    let field = GlossyField::new(&file, &lighting(&file, &[SKY], None));
+    // With matrices wherever they differ.
+    let gloss = Some(GlossSettings { epsilon: 0.03, ..GlossSettings::default() });
+    let file = bake(&scene, &BakeSettings { gloss, ..settings(2_000) }, &()).unwrap().0;
+    let field = GlossyField::new(&file, &lighting(&file, &[SKY], None), &[]);
     // A rectangle with one corner over the place.
     let of_corner = |x: f32, z: f32| (x * z / (HEIGHT * (x * x + z * z + HEIGHT * HEIGHT).sqrt())).atan();
-    let (mut compared, mut least, mut most) = (0, f32::MAX, 0.0f32);
+    let (mut compared, mut least, mut most, mut off) = (0, f32::MAX, 0.0f32, 0.0f32);
     for point in file.display() {
         let at = file.points[point].position();
         let Some(arriving) = field.at(point).filter(|_| at.y.abs() < 1e-3) else { continue };
@@ -258,8 +261,9 @@ fn a_ceiling_over_a_metal_plate_hides_its_solid_angle_of_the_sky() {
         // Half of the mirrored sphere.
         let open = 0.5 * arriving[0].w / FIRST;
         let expected = TAU - hidden;
-        assert!((open - expected).abs() < MOST * TAU, "{at}: {open}, not {expected}");
+        off = off.max((open - expected).abs() / TAU);
         (compared, least, most) = (compared + 1, least.min(open), most.max(open));
     }
-    assert!(compared > 100 && most - least > 0.2 * TAU, "{compared} points, {least} to {most}");
+    assert!(off < MOST, "{off} of the hemisphere");
+    assert!(compared > 100 && most - least > 0.15 * TAU, "{compared} points, {least} to {most}");
 }

@@ -49,7 +49,7 @@ fn in_a_shining_furnace_even_light_arrives_at_every_metal() {
         let to_eye = (normal + 0.6 * normal.any_orthonormal_vector()).normalize();
         let lobe = field.reflected(arriving, &[], 0.4, normal, to_eye);
         // Emission over 1 − ρ.
-        let even = lobe.radiance / (2.0 * lobe.single);
+        let even = lobe.radiance / (2.0 * lobe.shares[0]);
         assert!((even - 1.0).abs().max_element() < 0.02, "point {point}: {even}");
         sum += even.x;
         count += 1.0;

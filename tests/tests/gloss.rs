@@ -47,7 +47,7 @@ fn reflections_are_those_of_the_cpu() {
         renderer.set_detail(false);
         renderer.set_conductors(true);
         let lamp =
-            Light::Point { position: [1.5, 2.5, 1.5], intensity: 12.0, color: [1.0, 0.6, 0.3], radius: 0.0 };
+            Light::Point { position: [1.5, 2.5, 1.5], intensity: 400.0, color: [1.0, 0.6, 0.3], radius: 0.0 };
         let mut seen: Vec<Vec<Vec3>> = Vec::new();
         for lights in [vec![sky(0.0)], vec![sky(140.0)], vec![sky(140.0), lamp]] {
             renderer.set_lights(lights.clone()).unwrap();

@@ -47,7 +47,7 @@ impl Default for GlossSettings {
             directions: 2048,
             epsilon: 0.5,
             most: 24_000,
-            components: 12,
+            components: 24,
             has_direct: false,
         }
     }

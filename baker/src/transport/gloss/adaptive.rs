@@ -25,19 +25,17 @@ pub(super) struct Matrices {
 /// Points a task.
 const CHUNK: usize = 32;
 
-/// Value of function 0.
-const CONSTANT: f32 = 0.282_094_8;
+/// Value of the first of the harmonics.
+const FIRST: f32 = 0.282_094_8;
 
-/// Norm ‖·‖₁ of a matrix, the largest of the channels. Of visibility alone, that of the column of an even environment: V y_0.
+/// Norm ‖·‖₁ of a matrix, the largest of the channels, and of the light of an even environment that is seen, V y_0.
 fn norm(vector: &[f32]) -> f32 {
     let (matrices, visibility) = vector.split_at(vector.len() - COUNT);
-    if matrices.is_empty() {
-        return CONSTANT * visibility.iter().map(|x| x.abs()).sum::<f32>();
-    }
+    let seen = FIRST * visibility.iter().map(|v| v.abs()).sum::<f32>();
     let channels = matrices.chunks_exact(COUNT * COUNT);
     let column = |matrix: &[f32], j: usize| (0..COUNT).map(|i| matrix[i * COUNT + j].abs()).sum::<f32>();
     let largest = |matrix: &[f32]| (0..COUNT).fold(0.0f32, |most, j| most.max(column(matrix, j)));
-    channels.fold(0.0, |most, matrix| most.max(largest(matrix)))
+    channels.fold(seen, |most, matrix| most.max(largest(matrix)))
 }
 
 fn difference(a: &[f32], b: &[f32]) -> MatrixVector {

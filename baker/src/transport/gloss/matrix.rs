@@ -12,6 +12,7 @@ use super::rays::PointRays;
 use super::sky_irradiance::SkyIrradiance;
 use crate::geometry::Surfaces;
 use rebounce_shared::harmonics::{COUNT, evaluate};
+use std::f32::consts::TAU;
 
 /// Entries of the matrices of three channels.
 const MATRICES: usize = 3 * COUNT * COUNT;
@@ -45,15 +46,17 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
 
     /// Returns the matrix of a point, and the number of rays.
     pub fn matrix(&self, point: usize) -> (MatrixVector, u64) {
-        let normal = self.rays.points().points[point].geometric_normal;
+        let normal = self.rays.points().points[point].normal;
         let mut out: MatrixVector = vec![0.0; self.dimensions()].into();
         let (matrices, visibility) = out.split_at_mut(self.dimensions() - COUNT);
         let mut open = [[0.0; COUNT]; COUNT];
+        let mut all = [0.0; COUNT];
         let solid_angle = self.rays.solid_angle();
         let mut weights = Vec::new();
         let rays = self.rays.cast(point, |direction, y, hit| {
             let below = evaluate(direction.reflect(normal));
             let received: [f32; COUNT] = std::array::from_fn(|i| solid_angle * (y[i] + below[i]));
+            all.iter_mut().zip(received).for_each(|(sum, r)| *sum += r);
             let Some(hit) = hit else {
                 for ((row, sum), r) in open.iter_mut().zip(&mut *visibility).zip(received) {
                     row.iter_mut().zip(y).for_each(|(entry, y)| *entry += r * y);
@@ -76,6 +79,11 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
             for channel in matrices.chunks_exact_mut(COUNT * COUNT) {
                 channel.iter_mut().zip(open.as_flattened()).for_each(|(entry, open)| *entry += open);
             }
+        }
+        // A control variate: directions are not as evenly spread above a plane as over the sphere, where an open point sees 1.
+        let share = visibility[0] / all[0];
+        for (i, (v, all)) in visibility.iter_mut().zip(all).enumerate() {
+            *v += share * (if i == 0 { (2.0 * TAU).sqrt() } else { 0.0 } - all);
         }
         (out, rays)
     }

@@ -1,6 +1,8 @@
-//! Rays over the hemispheres of points, those of the true surface: what the shading normal has beyond, the surface itself would
-//! hide. All points have the same directions, spherical Fibonacci points: neighbours err alike, so
+//! Rays over the hemispheres of points. All points have the same directions, spherical Fibonacci points: neighbours err alike, so
 //! that differences between them are light and not noise.
+//!
+//! The hemisphere is that of the shading normal. Below the true surface a ray would meet what the point is on, and smooth things
+//! would have dark rims; it is mirrored at the true surface.
 
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::mix;
@@ -57,11 +59,13 @@ impl<'a, S: Surfaces + ?Sized> PointRays<'a, S> {
         let origin = at.position + at.geometric_normal * self.surfaces.epsilon_at(at.position);
         let mut rays = 0;
         for (number, (direction, y)) in self.directions.iter().enumerate() {
-            if direction.dot(at.geometric_normal) <= 0.0 {
+            if direction.dot(at.normal) <= 0.0 {
                 continue;
             }
             rays += 1;
-            let ray = Ray { origin, direction: *direction, max_distance: f32::INFINITY, spread: 0.02 };
+            let is_above = direction.dot(at.geometric_normal) > 0.0;
+            let way = if is_above { *direction } else { direction.reflect(at.geometric_normal) };
+            let ray = Ray { origin, direction: way, max_distance: f32::INFINITY, spread: 0.02 };
             visit(*direction, y, self.surfaces.cast(&ray, mix(number as u64) as u32));
         }
         rays

@@ -1,9 +1,9 @@
 //! Visibility is reciprocal, matrices turn with the scene, and mirrored light is mirrored.
 
 use super::*;
-use crate::geometry::{Gloss, Hit};
-use crate::sampling::SurfacePoint;
-use glam::{Mat3, Quat};
+use crate::geometry::{Gloss, Hit, Ray};
+use crate::sampling::{Points, SurfacePoint};
+use glam::{Mat3, Quat, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::harmonics::rotation::Rotation;
 use rebounce_shared::harmonics::{Coefficients, band};
@@ -60,9 +60,10 @@ impl Surfaces for Cones {
 fn matrix(cones: &Cones, normal: Vec3) -> ([Coefficients; COUNT], Coefficients) {
     let point = SurfacePoint { position: Vec3::ZERO, normal, geometric_normal: normal, group: 0 };
     let points = Points { points: vec![point], ..Points::default() };
-    let settings = GlossSettings { directions: DIRECTIONS, has_direct: true, ..GlossSettings::default() };
+    let settings = GlossSettings { has_direct: true, ..GlossSettings::default() };
     let irradiance = SkyIrradiance::new(&BakedScene::default());
-    let (found, rays) = MatrixGather::new(cones, &points, irradiance, &settings).matrix(0);
+    let point_rays = PointRays::new(cones, &points, DIRECTIONS);
+    let (found, rays) = MatrixGather::new(&point_rays, Some(irradiance), &settings).matrix(0);
     assert!(rays.abs_diff(u64::from(DIRECTIONS) / 2) < 100, "{rays}");
     let column = |j: usize| std::array::from_fn(|i| Vec3::splat(found[i * COUNT + j]));
     let visibility = std::array::from_fn(|i| Vec3::splat(found[3 * COUNT * COUNT + i]));
