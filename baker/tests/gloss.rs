@@ -7,7 +7,7 @@ use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::{Only, Picture};
 use rebounce::scene::Scene;
-use rebounce::transport::gloss::GlossSettings;
+use rebounce::transport::gloss::{GlossSettings, Transfer};
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::Relit;
 use rebounce_shared::baked::BakedScene;
@@ -86,6 +86,8 @@ fn settings(functions: usize) -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (4, functions);
     settings.operator.rays = vec![256];
+    // Links have laws of their own.
+    settings.gloss = Some(GlossSettings { transfer: Transfer::Matrices, ..GlossSettings::default() });
     settings.normalised()
 }
 
