@@ -47,9 +47,10 @@ const ADVICE: &str = "\
 ## Which to use
 
 The first transfer, which is the default: it has the least error wherever errors can be told apart,
-and the smallest sections. Lobes of high roughness are as wide as harmonics can tell, so there the
-transfers come close under an even sky. Components are what bytes are best spent on: a matrix packed
-with few of them loses the colour of what is near. ε_T saves matrices only where surfaces are open.";
+at roughness 0.7 too, and sections of half the size. Components are what bytes are best spent on up
+to 24, the default: packing still loses a quarter of a matrix there, but twice as many cost 2.4
+times the bytes for what the intervals hardly tell. ε_T of 0.25 computes more matrices for nothing;
+1 computes a third, and is the choice where bytes or seconds count more than a tenth of the error.";
 
 #[derive(Clone, Copy, PartialEq)]
 enum Transfer {
@@ -147,7 +148,7 @@ fn introduction(Size { functions, side, samples }: &Size) -> String {
     format!(
         "`builtin:trophy` at preset `draft` with {functions} functions; a picture of {side} x {side} pixels, of\n\
          which only metal counts. Error: RMS difference from two path-traced pictures of {samples} samples a\n\
-         pixel, over their RMS, with the half width of its 95% interval. Metals scatter like chalk in\n\
+         pixel, over their RMS, ± 2.5 standard errors of its noise. Metals scatter like chalk in\n\
          transport, as GGX conductors in the reference: part of each error is that. The two environments are\n\
          a clear day, whose sun is a lamp in every picture, and a studio with a softbox and a compact lamp\n\
          of 3° radius. Defaults: ε_T = {epsilon}, {components} components, {directions} directions. MB and s are\n\
