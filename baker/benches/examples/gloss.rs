@@ -12,7 +12,7 @@ use rebounce::light::direct;
 use rebounce::light::illumination::Illumination;
 use rebounce::random::Stream;
 use rebounce::scene::Scene;
-use rebounce::transport::gloss::GlossSettings;
+use rebounce::transport::gloss::{self, GlossSettings};
 use rebounce::verify::compare::compare;
 use rebounce::verify::compare::uncertainty::ErrorEstimate;
 use rebounce::verify::expose::{Exposure, expose};
@@ -91,7 +91,7 @@ fn main() -> Result<()> {
     println!("|---|{}---|---|---|", "---|".repeat(columns.len()));
     for (name, transfer) in TRANSFERS {
         let has_direct = transfer != Transfer::ThroughVisibility;
-        let bake = Bake::new(&scene, &size, GlossSettings { has_direct, ..GlossSettings::default() })?;
+        let bake = Bake::new(&scene, &size, GlossSettings { has_direct, ..by_matrices() })?;
         let mut errors = Vec::new();
         for (sky, truths) in skies.iter().zip(&truths) {
             for (roughness, truth) in ROUGHNESSES.into_iter().zip(truths) {
@@ -115,7 +115,7 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut most = 0.0f64;
     for (epsilon, components) in SIZES {
-        let settings = GlossSettings { epsilon, components, ..GlossSettings::default() };
+        let settings = GlossSettings { epsilon, components, ..by_matrices() };
         let bake = Bake::new(&scene, &size, settings)?;
         let mut errors = Vec::new();
         for (sky, truths) in skies.iter().zip(&truths) {
@@ -165,6 +165,11 @@ struct Bake {
     seconds: f64,
     /// Bytes of the sections.
     bytes: usize,
+}
+
+/// Settings of matrices, which the report is of.
+fn by_matrices() -> GlossSettings {
+    GlossSettings { transfer: gloss::Transfer::Matrices, ..GlossSettings::default() }
 }
 
 impl Bake {
