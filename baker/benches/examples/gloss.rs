@@ -267,7 +267,7 @@ fn error(
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let groups = bake.file.sources.groups.len();
     let lighting = Lighting::new(&[SKY], Some(sky), bake.file.meta.origin, groups);
-    let field = GlossyField::new(&bake.file, &lighting);
+    let field = GlossyField::new(&bake.file, &lighting, &[]);
     let lamps = lighting.lamps.clone();
     let relit = Relit::lit(&bake.file, &surfaces, lighting, false).with_gloss(&bake.file);
     let basis = Leveled::of_baked(&bake.file);
