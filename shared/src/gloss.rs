@@ -236,9 +236,12 @@ impl GlossyField {
         to_eye: Vec3,
     ) -> LobeLight {
         let alpha = alpha(roughness);
-        let (first, second) = tangents(normal);
-        let in_frame = Vec3::new(to_eye.dot(first), to_eye.dot(second), to_eye.dot(normal).max(1e-3));
-        let in_frame = in_frame.normalize();
+        // A frame that the eye lies in: samples turn evenly over a round surface, without a seam.
+        let upright = to_eye.dot(normal);
+        let across = to_eye - upright * normal;
+        let first = across.try_normalize().unwrap_or(tangents(normal).0);
+        let second = normal.cross(first);
+        let in_frame = Vec3::new(across.length(), 0.0, upright.max(1e-3)).normalize();
         let mut out = LobeLight::default();
         for i in 0..LOBE_SAMPLES {
             let sample = lobe(alpha, in_frame, i);

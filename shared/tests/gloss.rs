@@ -10,14 +10,22 @@ fn shining() -> BakedScene {
     let mut scene = scene();
     let layout = GlossLayout {
         has_direct: false,
+        roughness: [0.9, 0.35],
         channels: 3,
         components: 1,
         vector_scales: vec![0.5, 0.25, 1.0, 0.125],
         weight_scales: vec![2.0, 0.0],
+        emission: Vec::new(),
     };
     let vectors = (0..4 * layout.dimensions()).map(|i| (i * i % 251) as u8).collect();
-    scene.gloss =
-        Gloss { layout, points: vec![0, 1], clusters: vec![1, NO_MATRIX], weights: vec![200], vectors };
+    scene.gloss = Gloss {
+        layout,
+        points: vec![0, 1],
+        clusters: vec![1, NO_MATRIX],
+        weights: vec![200],
+        vectors,
+        ..Gloss::default()
+    };
     scene
 }
 

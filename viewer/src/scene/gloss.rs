@@ -18,7 +18,7 @@ use wgpu::{BufferUsages, ShaderStages};
 /// `GlossPass` in gloss_pass.wgsl.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
-struct PassUniform {
+struct GlossUniform {
     first: u32,
     count: u32,
     groups: u32,
@@ -43,7 +43,7 @@ pub struct GlossKernels {
 
 /// What a dispatch runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kernel {
+enum GlossKernel {
     /// light_vectors.wgsl, over all vectors.
     Vectors,
     /// arrive.wgsl, over the points of a level.
@@ -56,7 +56,7 @@ impl GlossKernels {
     /// Creates the pipelines.
     pub fn new(gpu: &Gpu) -> Self {
         let made = |entry: &str, source: shaders::Source, reads: usize| {
-            let mut slots = vec![Slot::UniformPart(size_of::<PassUniform>() as u64)];
+            let mut slots = vec![Slot::UniformPart(size_of::<GlossUniform>() as u64)];
             slots.extend(std::iter::repeat_n(Slot::Read, reads));
             slots.push(Slot::Write);
             let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
@@ -86,7 +86,7 @@ pub struct GpuGloss {
     arrive: wgpu::BindGroup,
     links: wgpu::BindGroup,
     /// Dispatches in order, with their workgroups.
-    plan: Vec<(Kernel, [u32; 2])>,
+    plan: Vec<(GlossKernel, [u32; 2])>,
     /// Coefficients of the distant light that has arrived.
     lit_by: RefCell<Option<Box<Coefficients>>>,
     own: Scope,
@@ -136,11 +136,11 @@ impl GpuGloss {
         let (passes, plan) = dispatches(scene, vectors as u32);
         let mut content = vec![0u8; STRIDE as usize * passes.len()];
         for (slot, pass) in content.chunks_mut(STRIDE as usize).zip(&passes) {
-            slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(pass));
+            slot[..size_of::<GlossUniform>()].copy_from_slice(bytemuck::bytes_of(pass));
         }
         let uniforms = buffer(&own, "gloss passes", BufferUsages::UNIFORM, &content);
         let make = |label: &str, layout, buffers: &[&wgpu::Buffer]| {
-            let mut resources = vec![part(&uniforms, size_of::<PassUniform>() as u64)];
+            let mut resources = vec![part(&uniforms, size_of::<GlossUniform>() as u64)];
             resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
             group(&own, label, layout, &resources)
         };
@@ -182,7 +182,7 @@ impl GpuGloss {
         sky: &Coefficients,
         emission: &[Vec3],
     ) {
-        let has_links = self.plan.iter().any(|(kernel, _)| *kernel == Kernel::Links);
+        let has_links = self.plan.iter().any(|(kernel, _)| *kernel == GlossKernel::Links);
         let mut lit_by = self.lit_by.borrow_mut();
         let is_same_sky = lit_by.as_deref() == Some(sky);
         if is_same_sky && !has_links {
@@ -198,10 +198,10 @@ impl GpuGloss {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         for (i, (kernel, [x, y])) in self.plan.iter().enumerate() {
             let ((_, pipeline), bind) = match kernel {
-                Kernel::Vectors if is_same_sky => continue,
-                Kernel::Vectors => (&kernels.vectors, &self.vectors),
-                Kernel::Arrive => (&kernels.arrive, &self.arrive),
-                Kernel::Links => (&kernels.links, &self.links),
+                GlossKernel::Vectors if is_same_sky => continue,
+                GlossKernel::Vectors => (&kernels.vectors, &self.vectors),
+                GlossKernel::Arrive => (&kernels.arrive, &self.arrive),
+                GlossKernel::Links => (&kernels.links, &self.links),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[(i as u64 * STRIDE) as u32]);
@@ -216,12 +216,12 @@ impl GpuGloss {
 }
 
 /// Uniforms of the dispatches, and the dispatches: over the vectors, then over each level of points, and over those with links.
-fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<PassUniform>, Vec<(Kernel, [u32; 2])>) {
+fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<GlossUniform>, Vec<(GlossKernel, [u32; 2])>) {
     let gloss = &scene.gloss;
     let (mut passes, mut plan) = (Vec::new(), Vec::new());
-    let mut push = |kernel: Kernel, range: Range<usize>, threads: usize| {
+    let mut push = |kernel: GlossKernel, range: Range<usize>, threads: usize| {
         let [x, y] = grid((threads as u32).div_ceil(WORKGROUP));
-        passes.push(PassUniform {
+        passes.push(GlossUniform {
             first: range.start as u32,
             count: range.len() as u32,
             groups: x,
@@ -234,7 +234,7 @@ fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<PassUniform>, Vec<(Kerne
         plan.push((kernel, [x, y]));
     };
     if vectors > 0 {
-        push(Kernel::Vectors, 0..0, vectors as usize * COUNT);
+        push(GlossKernel::Vectors, 0..0, vectors as usize * COUNT);
     }
     let before = |end: usize| gloss.points.partition_point(|point| (*point as usize) < end);
     for level in (0..scene.meta.levels.len()).map(|l| scene.level(l)) {
@@ -242,10 +242,10 @@ fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<PassUniform>, Vec<(Kerne
         if range.is_empty() {
             continue;
         }
-        push(Kernel::Arrive, range.clone(), range.len() * COUNT);
+        push(GlossKernel::Arrive, range.clone(), range.len() * COUNT);
         let linked = range.start..range.end.min(gloss.links.len());
         if linked.clone().any(|place| !gloss.links.row(place).is_empty()) {
-            push(Kernel::Links, linked.clone(), linked.len());
+            push(GlossKernel::Links, linked.clone(), linked.len());
         }
     }
     (passes, plan)

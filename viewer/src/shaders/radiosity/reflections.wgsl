@@ -56,13 +56,11 @@ fn reflected_sky(way: vec3f, solid_angle: f32) -> vec3f {
     return sum;
 }
 
-// Two unit tangents (Duff et al. 2017), and the normal.
-fn frame_of(normal: vec3f) -> mat3x3f {
+// A unit tangent (Duff et al. 2017).
+fn tangent(normal: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (sign + normal.z);
-    let b = normal.x * normal.y * a;
-    let first = vec3f(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
-    return mat3x3f(first, vec3f(b, sign + normal.y * normal.y * a, -normal.y), normal);
+    return vec3f(1.0 + sign * normal.x * normal.x * a, sign * normal.x * normal.y * a, -sign * normal.x);
 }
 
 @fragment
@@ -108,9 +106,13 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return vec4f(0.0);
     }
     let to_eye = normalize(frame.eye - position_at(frame, vec2f(pixel) + 0.5, depth));
-    let world_from_surface = frame_of(surface.bent);
-    let seen_from = to_eye * world_from_surface;
-    let in_frame = normalize(vec3f(seen_from.xy, max(seen_from.z, 1e-3)));
+    // A frame that the eye lies in: samples turn evenly over a round surface, without a seam.
+    let upright = dot(to_eye, surface.bent);
+    let across = to_eye - upright * surface.bent;
+    let wide = length(across);
+    let first = select(tangent(surface.bent), across / max(wide, 1e-20), wide > 1e-6);
+    let world_from_surface = mat3x3f(first, cross(surface.bent, first), surface.bent);
+    let in_frame = normalize(vec3f(wide, 0.0, max(upright, 1e-3)));
     let alpha = max(surface.look.roughness * surface.look.roughness, LEAST_ALPHA);
     // Radiance, the same by Schlick's (1 - v·h)^5, and the shares of an even light.
     var radiance = vec3f(0.0);
