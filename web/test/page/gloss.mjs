@@ -1,0 +1,70 @@
+// Reflections in the page: a metal under a sky that turns, and a shot's gloss.
+
+import { readFile } from "node:fs/promises";
+import path from "node:path";
+import { exec } from "../agreement.mjs";
+import { check, equal } from "../harness.mjs";
+import { loaded } from "./open.mjs";
+
+const SIZE = [96, 64];
+
+/** Relative difference of two pictures. */
+function apart(a, b) {
+  const sum = (list) => list.reduce((total, x) => total + Math.abs(x), 0);
+  return sum(a.map((x, i) => x - b[i])) / sum(b);
+}
+
+/** Runs the tests. */
+export async function gloss(harness, context) {
+  const file = (name) => path.join(context.work, `gloss-${name}.rbn`);
+
+  /** Opens a bake of the trophy; `args` are those of the bake. */
+  async function shown(name, args) {
+    await exec(context.rebounce, ["bake", "builtin:trophy", "--preset", "draft", "--functions", "6K", "-o", file(name), ...args]);
+    const body = await readFile(file(name));
+    const routes = { "**/trophy.rbn": (route) => route.fulfill({ body, contentType: "application/octet-stream" }) };
+    const prepare = () => {
+      globalThis.pixels = async (width, height) => Array.from(await viewer.readPixels(width, height)).filter((_, i) => i % 4 < 3);
+    };
+    const html = '<rebounce-viewer src="trophy.rbn" auto-exposure="off" exposure="-4" backdrop="none"></rebounce-viewer>';
+    const { page, faults } = await loaded(context, html, { routes, prepare });
+    /** The picture under the sky turned by so many degrees. */
+    const turned = (degrees, more = {}) =>
+      page.evaluate(
+        async ([degrees, more, [width, height]]) => {
+          viewer.shot = { camera: viewer.camera, lights: [{ type: "environment", intensity: 1, rotation_deg: degrees }], ...more };
+          return pixels(width, height);
+        },
+        [degrees, more, SIZE],
+      );
+    return { page, faults, turned };
+  }
+
+  await harness.test("gloss::metals_reflect_a_sky_that_turns", async () => {
+    const matt = await shown("matt", ["--gloss-roughness", "0"]);
+    const dull = [await matt.turned(0), await matt.turned(120)];
+    await matt.page.close();
+    for (const transfer of ["links", "matrices"]) {
+      const { page, faults, turned } = await shown(transfer, ["--gloss-transfer", transfer]);
+      const bright = [await turned(0), await turned(120)];
+      // What is matt is the same in both files.
+      for (const i of [0, 1]) check(apart(bright[i], dull[i]) > 0.02, `${transfer}: the metal looks as chalk does, ${apart(bright[i], dull[i])}`);
+      check(apart(bright[0], bright[1]) > 0.05, `${transfer}: a turn of the sky changes nothing`);
+      equal(apart(await turned(0), bright[0]), 0, `${transfer}: the sky turned back`);
+      check(faults.length === 0, faults.join());
+      await page.close();
+    }
+  });
+
+  await harness.test("gloss::a_shot_may_have_metals_as_conductors", async () => {
+    const { page, faults, turned } = await shown("shot", []);
+    const before = await turned(0);
+    const conductors = await turned(0, { gloss: true });
+    check(apart(conductors, before) > 0.001, "Fresnel's factor is there with and without gloss");
+    equal(await page.evaluate(() => viewer.shot.gloss), true, "the shot's gloss");
+    equal(apart(await turned(0), before), 0, "without gloss again");
+    equal(await page.evaluate(() => viewer.shot.gloss), undefined, "no gloss");
+    check(faults.length === 0, faults.join());
+    await page.close();
+  });
+}
