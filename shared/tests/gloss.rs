@@ -64,7 +64,7 @@ fn a_matrix_of_one_channel_is_read() {
 fn glossy_transfer_that_does_not_fit_is_refused() {
     type Break = fn(&mut Gloss);
     let breaks: [(&str, Break); 25] = [
-        ("GLSY", |g| g.layout.channels = 0),
+        ("GLBS", |g| g.layout.channels = 0),
         ("GLSY", |g| g.layout.channels = 2),
         ("GLSY", |g| g.layout.channels = u32::MAX),
         ("GLSY", |g| g.layout.components = MAX_COMPONENTS as u32 + 1),

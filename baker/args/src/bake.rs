@@ -103,8 +103,8 @@ pub struct BakeArgs {
     pub no_sources: bool,
 
     /// Roughness from which metals, and what is not metal, reflect like chalk: 0 for no gloss at all
-    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_name = "METALS[,OTHERS]", value_delimiter = ',', num_args = 1..=2, value_parser = number::at_least_zero_single)]
-    gloss_roughness: Option<Vec<f32>>,
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_name = "METALS[,OTHERS]", value_parser = number::one_or_two)]
+    gloss_roughness: Option<(f32, Option<f32>)>,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
@@ -220,9 +220,9 @@ impl BakeArgs {
         if let Some(gloss) = &mut s.gloss {
             gloss.transfer = self.gloss_transfer.into();
         }
-        if let (Some(gloss), Some(given)) = (&mut s.gloss, &self.gloss_roughness) {
-            gloss.metals = given.first().copied().unwrap_or(gloss.metals);
-            gloss.dielectrics = given.get(1).copied().unwrap_or(gloss.dielectrics.min(gloss.metals));
+        if let (Some(gloss), Some((metals, others))) = (&mut s.gloss, self.gloss_roughness) {
+            gloss.metals = metals;
+            gloss.dielectrics = others.unwrap_or(gloss.dielectrics.min(metals));
         }
         s.sources.sky = !self.no_sources;
         s

@@ -77,6 +77,17 @@ pub fn at_least_zero_single(text: &str) -> Result<f32, String> {
     if single.is_finite() { Ok(single) } else { Err("a smaller number is needed".to_owned()) }
 }
 
+/// Parses one number that is not negative, or two as in `0.9,0.35`.
+///
+/// # Errors
+/// The expected format.
+pub fn one_or_two(text: &str) -> Result<(f32, Option<f32>), String> {
+    match text.split_once(',') {
+        Some((first, second)) => Ok((at_least_zero_single(first)?, Some(at_least_zero_single(second)?))),
+        None => Ok((at_least_zero_single(text)?, None)),
+    }
+}
+
 /// Parses a number within `range`.
 ///
 /// # Errors
@@ -183,6 +194,9 @@ mod tests {
             assert!(bytes(text).is_err() && count(text, 100).is_err(), "{text}");
             assert!(place(&format!("0,{text},1")).is_err() || text == "-1", "{text}");
         }
+        assert_eq!(one_or_two("0.9,0.35"), Ok((0.9, Some(0.35))));
+        assert_eq!(one_or_two("0.5"), Ok((0.5, None)));
+        assert!(["0.9,", "0.9,x", "0.9,0.3,0.1", "-1"].iter().all(|text| one_or_two(text).is_err()));
         assert_eq!(rectangle("0,0.25,0.5,1"), Ok([0.0, 0.25, 0.5, 1.0]));
         for text in ["0,0,1", "0.5,0,0.5,1", "0,0,1,1.5", "0,1,1,0", "0,0,1,1,x", "0,0,1,1,1"] {
             assert!(rectangle(text).is_err(), "{text}");
