@@ -14,6 +14,7 @@ import { downloads } from "./page/downloads.mjs";
 import { environment } from "./page/environment.mjs";
 import { exported } from "./page/exported.mjs";
 import { failures } from "./page/failures.mjs";
+import { gloss } from "./page/gloss.mjs";
 import { handles } from "./page/handles.mjs";
 import { hidden } from "./page/hidden.mjs";
 import { history } from "./page/history.mjs";
@@ -49,7 +50,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, step, state, watch, light, environment, sky, nodes,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, step, state, watch, light, environment, sky, gloss, nodes,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide, three,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
