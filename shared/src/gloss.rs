@@ -24,7 +24,7 @@ use crate::ggx::{LOBE_SAMPLES, alpha, lobe, multiple_scattering};
 use crate::harmonics::zonal::of_mean_length;
 use crate::harmonics::{COUNT, Coefficients, band, evaluate, value};
 use crate::lighting::Lighting;
-use crate::rbn::gloss::{Gloss, NO_MATRIX};
+use crate::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
 use crate::rbn::gloss_links::GlossLink;
 use glam::{Vec3, Vec4};
 
@@ -33,6 +33,12 @@ pub type Arriving = [Vec4; COUNT];
 
 /// Nothing arrives.
 pub const DARK: Arriving = [Vec4::ZERO; COUNT];
+
+/// Returns the coefficients of the distant radiance that matrices take: with suns and other directional lamps where matrices
+/// hold bounced light alone, since lamps are reflected by themselves.
+pub fn distant_light(layout: &GlossLayout, lighting: &Lighting) -> Coefficients {
+    if layout.has_direct { lighting.sky_coefficients() } else { lighting.distant_coefficients() }
+}
 
 /// Light that arrives at points of glossy surfaces.
 #[derive(Clone, Debug, Default)]
@@ -52,8 +58,7 @@ impl GlossyField {
         if gloss.is_empty() {
             return Self::default();
         }
-        let has_direct = gloss.layout.has_direct;
-        let sky = &if has_direct { lighting.sky_coefficients() } else { lighting.distant_coefficients() };
+        let sky = &distant_light(&gloss.layout, lighting);
         let lit: Vec<Arriving> = lit_vectors(gloss, sky);
         let count = 1 + gloss.layout.components as usize;
         let mut places = vec![u32::MAX; scene.points.len()];

@@ -225,8 +225,8 @@ impl Estimate {
             }
         }
         add(Stage::Sources, None);
-        add(Stage::Gloss, None);
         add(Stage::Assemble, None);
+        add(Stage::Gloss, None);
         let prepared = cost::PREPARED[0] + cost::PREPARED[1] * triangles as f64;
         estimate.set(Stage::Bvh, None, triangles as f64, prepared);
         estimate.set(Stage::Sketch, None, 1.0, cost::SKETCH);

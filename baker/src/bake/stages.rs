@@ -163,14 +163,14 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
         let mut file = self.file(&settings, &points, &relations, &operator, sources);
+        report.is_unlit = !self.is_lit(&file);
+        task.step(0)?;
+        drop(task);
         if let Some(gloss) = settings.gloss.as_ref().filter(|_| settings.solver == BakeSolver::Operator) {
             let task = tracker.task(Stage::Gloss, None);
             let found = glossy_transfer(self.surfaces, &points, &file, gloss, &task)?;
             (file.gloss, report.gloss) = found;
         }
-        report.is_unlit = !self.is_lit(&file);
-        task.step(0)?;
-        drop(task);
         report.seconds = tracker.seconds();
         Ok(Some((file, report)))
     }

@@ -2,6 +2,8 @@
 
 mod check;
 mod moved;
+#[cfg(feature = "radiosity")]
+mod optional;
 
 use crate::basis::{Functions, ParentWeights, Relations};
 use crate::interpolation::Rows;
@@ -10,15 +12,13 @@ use crate::link::{LaterLink, Link, SourceLink};
 use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
-#[cfg(feature = "radiosity")]
-use crate::rbn::codec::MOST_TIMES;
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
 #[cfg(feature = "radiosity")]
-use crate::rbn::gloss::{self, Gloss};
+use crate::rbn::gloss::Gloss;
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
 #[cfg(feature = "radiosity")]
-use crate::rbn::lightmap::{self, Lightmap};
+use crate::rbn::lightmap::Lightmap;
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
 #[cfg(feature = "radiosity")]
@@ -79,12 +79,12 @@ pub struct BakedScene {
     pub later: LinkMatrix<LaterLink>,
 }
 
+#[cfg(feature = "radiosity")]
+use crate::rbn::SPECULAR_SECTION;
 use crate::rbn::{
     COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, RECONSTRUCTION_SECTIONS, SECTIONS,
     SHOWN_SECTION, SOURCE_SECTIONS,
 };
-#[cfg(feature = "radiosity")]
-use crate::rbn::{GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, LIGHTMAP_SECTIONS, SPECULAR_SECTION};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -358,113 +358,6 @@ impl BakedScene {
         scene.check()?;
         scene.relate()?;
         Ok(scene)
-    }
-}
-
-/// A section's name and bytes.
-#[cfg(feature = "radiosity")]
-type NamedSection = ([u8; 4], Vec<u8>);
-
-#[cfg(feature = "radiosity")]
-impl BakedScene {
-    /// Packs the sections of the lightmap; none without one.
-    fn lightmap_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
-        let Lightmap { layout, coordinates, offsets, texels } = &self.lightmap;
-        if self.lightmap.is_empty() {
-            return Ok(Vec::new());
-        }
-        let packed = [
-            lightmap::encode(layout)?,
-            columns::encode(coordinates),
-            columns::encode(offsets),
-            columns::encode(texels),
-        ];
-        Ok(LIGHTMAP_SECTIONS.into_iter().zip(packed).collect())
-    }
-
-    /// Packs the sections of glossy transfer; none without it.
-    fn gloss_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
-        let Gloss { layout, points, clusters, weights, vectors, links } = &self.gloss;
-        if self.gloss.is_empty() {
-            return Ok(Vec::new());
-        }
-        let packed = |bytes: &[u8]| packed_bytes(bytes).unwrap_or_default();
-        let sections = [
-            gloss::encode(layout)?,
-            columns::encode(points),
-            packed(clusters),
-            packed(weights),
-            packed(vectors),
-        ];
-        let mut out: Vec<NamedSection> = GLOSS_SECTIONS.into_iter().zip(sections).collect();
-        if !links.is_empty() {
-            let packed = [columns::encode(&links.links), columns::encode(&links.offsets)];
-            out.extend(GLOSS_LINK_SECTIONS.into_iter().zip(packed));
-        }
-        Ok(out)
-    }
-
-    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy transfer, of groups and of
-    /// reflectances.
-    fn read_groups<'f>(
-        &mut self,
-        has: &dyn Fn([u8; 4]) -> bool,
-        bytes: &dyn Fn([u8; 4]) -> Result<&'f [u8], RbnError>,
-    ) -> Result<(), RbnError> {
-        if has(SPECULAR_SECTION) {
-            let materials = self.meta.materials.iter_mut();
-            let mut all: Vec<_> = materials.map(|material| &mut material.specular_extras).collect();
-            specular::decode(bytes(SPECULAR_SECTION)?, &mut all)?;
-        }
-        if GROUP_SECTIONS.into_iter().any(has) {
-            self.light_groups = LightGroups {
-                groups: light_groups::decode(bytes(*b"LGRP")?)?,
-                values: records("LVAL", bytes(*b"LVAL")?)?,
-            };
-        }
-        if LIGHTMAP_SECTIONS.into_iter().any(has) {
-            self.lightmap = Lightmap {
-                layout: lightmap::decode(bytes(*b"LMAP")?)?,
-                coordinates: records("LMUV", bytes(*b"LMUV")?)?,
-                offsets: records("LMOF", bytes(*b"LMOF")?)?,
-                texels: records("LMTX", bytes(*b"LMTX")?)?,
-            };
-        }
-        if GLOSS_SECTIONS.into_iter().chain(GLOSS_LINK_SECTIONS).any(has) {
-            let unpacked = |name: [u8; 4]| {
-                let packed = bytes(name)?;
-                let most = packed.len().saturating_mul(MOST_TIMES);
-                let name = String::from_utf8_lossy(&name);
-                if packed.is_empty() { Ok(Vec::new()) } else { unpacked_bytes(&name, packed, most) }
-            };
-            let links = match GLOSS_LINK_SECTIONS.into_iter().any(has) {
-                true => LinkMatrix {
-                    links: records("GLLK", bytes(*b"GLLK")?)?,
-                    offsets: records("GLLO", bytes(*b"GLLO")?)?,
-                },
-                false => LinkMatrix::default(),
-            };
-            self.gloss = Gloss {
-                layout: gloss::decode(bytes(*b"GLSY")?)?,
-                points: records("GLPT", bytes(*b"GLPT")?)?,
-                clusters: unpacked(*b"GLCL")?,
-                weights: unpacked(*b"GLWT")?,
-                vectors: unpacked(*b"GLBS")?,
-                links,
-            };
-        }
-        let mut of_material = Vec::new();
-        if has(*b"MGRP") {
-            of_material = records("MGRP", bytes(*b"MGRP")?)?;
-            self.point_groups = records("PGRP", bytes(*b"PGRP")?)?;
-        }
-        if has(*b"RGRP") {
-            self.groups = groups::decode(bytes(*b"RGRP")?, of_material)?;
-        }
-        if has(*b"REFL") {
-            self.reflectance = unpacked_bytes("REFL", bytes(*b"REFL")?, self.points.len())?;
-        }
-        Ok(())
     }
 }
 

@@ -51,9 +51,9 @@ pub enum PackedEnvironmentError {
 /// An environment of rgb9e5 pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedEnvironment {
-    /// Pixels in a row, 1 to 128.
+    /// Pixels in a row; 1 to 128 in files.
     pub width: u32,
-    /// Rows, 1 to 64.
+    /// Rows; 1 to 64 in files.
     pub height: u32,
     /// Radiance of a pixel of 1, W/(sr m²); a power of two.
     pub scale: f32,
@@ -65,11 +65,15 @@ impl PackedEnvironment {
     /// Reduces an environment to at most 128 by 64 pixels and packs it. Negative and NaN channels become 0.
     pub fn new(environment: &Environment) -> Self {
         let (width, height) = (environment.width.min(MAX_WIDTH), environment.height.min(MAX_WIDTH / 2));
-        let small = environment.resized(width, height);
-        let largest = small.pixels.iter().fold(0.0f32, |most, pixel| most.max(pixel.max_element()));
-        let scale = scale(largest);
-        let pixels = small.pixels.iter().map(|&pixel| pack_rgb9e5(pixel.max(Vec3::ZERO) / scale)).collect();
-        Self { width, height, scale, pixels }
+        Self::whole(&environment.resized(width, height))
+    }
+
+    /// Packs all pixels, for textures: files have at most 128 by 64. Negative and NaN channels become 0.
+    pub fn whole(environment: &Environment) -> Self {
+        let scale = scale(&environment.pixels);
+        let pixels =
+            environment.pixels.iter().map(|&pixel| pack_rgb9e5(pixel.max(Vec3::ZERO) / scale)).collect();
+        Self { width: environment.width, height: environment.height, scale, pixels }
     }
 
     /// The environment, as precise as the packed form.
@@ -139,7 +143,8 @@ impl PackedEnvironment {
 
 /// The power of two that brings the largest channel to between 16,384 and 32,768 where it is above that, or below 1; 1
 /// otherwise.
-fn scale(largest: f32) -> f32 {
+pub fn scale<'a>(pixels: impl IntoIterator<Item = &'a Vec3>) -> f32 {
+    let largest = pixels.into_iter().fold(0.0f32, |most, pixel| most.max(pixel.max_element()));
     let is_within = largest <= 0.0 || (1.0..=LARGEST).contains(&largest);
     if is_within || !largest.is_finite() {
         return 1.0;

@@ -1,8 +1,8 @@
 //! Optional material properties: section `MATX`, present only in files with a non-default [`Extras`].
 
-use super::RbnError;
 use super::limits::MAX_BYTES;
 use super::texture::DetailTexture;
+use super::{RbnError, small};
 use bincode::de::Decoder;
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
@@ -97,13 +97,8 @@ pub(crate) fn encode<'a>(materials: impl Iterator<Item = &'a Extras>) -> Result<
     if records.is_empty() {
         return Ok(None);
     }
-    let bytes = bincode::encode_to_vec(&records, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!(
-            "materials that let light through need over {MAX_BYTES} bytes: merge some"
-        ))
-    })
+    let too_large = || format!("materials that let light through need over {MAX_BYTES} bytes: merge some");
+    small::encode(&records, too_large).map(Some)
 }
 
 /// Decodes the section into the materials; records are in ascending order of material index.
@@ -112,12 +107,7 @@ pub(crate) fn encode<'a>(materials: impl Iterator<Item = &'a Extras>) -> Result<
 /// [`RbnError::Invalid`].
 pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut Extras]) -> Result<(), RbnError> {
     let bad = |problem: String| RbnError::invalid("MATX", problem);
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    let (records, used): (Vec<Record>, usize) =
-        bincode::decode_from_slice(bytes, config).map_err(|error| bad(error.to_string()))?;
-    if used != bytes.len() {
-        return Err(bad(format!("{} bytes are left over", bytes.len() - used)));
-    }
+    let records: Vec<Record> = small::decode("MATX", bytes)?;
     let mut least = 0;
     for (number, unlit, transmission, transmission_texture, transmission_tint, scattered, scattered_color) in
         records

@@ -23,9 +23,9 @@
 //! Where there are links, all light that bounced or comes from emissive surfaces arrives by them, and vectors have visibility
 //! alone. A point with links has what they say; one without has the mean of its parents.
 
-use super::RbnError;
 use super::gloss_links::{self, GlossLinks};
-use super::limits::{MAX_BYTES, sane};
+use super::limits::sane;
+use super::{RbnError, small};
 use crate::harmonics::COUNT;
 use bincode::{Decode, Encode};
 
@@ -112,11 +112,9 @@ impl Gloss {
 /// Encodes section `GLSY`.
 ///
 /// # Errors
-/// [`RbnError::TooLarge`] past [`MAX_BYTES`].
+/// [`RbnError::TooLarge`] past [`MAX_BYTES`](super::limits::MAX_BYTES).
 pub fn encode(layout: &GlossLayout) -> Result<Vec<u8>, RbnError> {
-    let bytes = bincode::encode_to_vec(layout, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.ok_or_else(|| RbnError::TooLarge("glossy transfer has too many clusters".to_owned()))
+    small::encode(layout, || "glossy transfer has too many clusters".to_owned())
 }
 
 /// Decodes section `GLSY`; the caller checks it.
@@ -124,12 +122,7 @@ pub fn encode(layout: &GlossLayout) -> Result<Vec<u8>, RbnError> {
 /// # Errors
 /// [`RbnError::Invalid`].
 pub fn decode(bytes: &[u8]) -> Result<GlossLayout, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<GlossLayout, _>(bytes, config) {
-        Ok((layout, used)) if used == bytes.len() => Ok(layout),
-        Ok(_) => Err(RbnError::invalid("GLSY", "bytes are left over")),
-        Err(error) => Err(RbnError::invalid("GLSY", error.to_string())),
-    }
+    small::decode("GLSY", bytes)
 }
 
 /// Checks glossy transfer of unknown origin, for a file with so many points, senders and emissive groups.

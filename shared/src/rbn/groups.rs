@@ -9,13 +9,13 @@
 //! A group with a node moves rigidly with it: its triangles stand at [instances](super::bulk::Instance) of their own, which
 //! the node's motion changes, and its points stay in the place that the file has them in.
 
-use super::RbnError;
 use super::limits::MAX_BYTES;
 #[cfg(feature = "radiosity")]
 use super::limits::sane;
 #[cfg(feature = "radiosity")]
 use super::node_tracks;
 use super::node_tracks::NodeAnimation;
+use super::{RbnError, small};
 use bincode::{Decode, Encode};
 
 /// Greatest number of groups besides group 0: a number has ten bits beside a function's.
@@ -98,14 +98,9 @@ pub fn encode(groups: &Groups) -> Result<Option<Vec<u8>>, RbnError> {
         return Ok(None);
     }
     let Groups { nodes, groups, transmittance, animations, .. } = groups;
-    let record = (nodes, groups, transmittance, animations);
-    let bytes = bincode::encode_to_vec(record, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!(
-            "names and keyframes of nodes that may move need over {MAX_BYTES} bytes: shorten them"
-        ))
-    })
+    let too_large =
+        || format!("names and keyframes of nodes that may move need over {MAX_BYTES} bytes: shorten them");
+    small::encode((nodes, groups, transmittance, animations), too_large).map(Some)
 }
 
 /// Contents of section `RGRP`.
@@ -118,16 +113,8 @@ type GroupRecord = (Vec<Node>, Vec<Group>, Vec<f32>, Vec<NodeAnimation>);
 /// [`RbnError::Invalid`].
 #[cfg(feature = "radiosity")]
 pub fn decode(bytes: &[u8], of_material: Vec<u32>) -> Result<Groups, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<GroupRecord, _>(bytes, config) {
-        Ok(((nodes, groups, transmittance, animations), used)) if used == bytes.len() => {
-            Ok(Groups { nodes, groups, transmittance, animations, of_material })
-        }
-        Ok((_, used)) => {
-            Err(RbnError::invalid("RGRP", format!("{} bytes are left over", bytes.len() - used)))
-        }
-        Err(error) => Err(RbnError::invalid("RGRP", error.to_string())),
-    }
+    let (nodes, groups, transmittance, animations): GroupRecord = small::decode("RGRP", bytes)?;
+    Ok(Groups { nodes, groups, transmittance, animations, of_material })
 }
 
 /// Checks groups of unknown origin, with the group of each point.

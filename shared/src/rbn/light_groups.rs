@@ -9,10 +9,10 @@
 //! linear within each power of two, as the bits of a float are: they are equal on every machine, and about as visible in
 //! dark places as in bright ones.
 
-use super::RbnError;
 #[cfg(feature = "radiosity")]
 use super::limits::sane;
 use super::limits::{LARGEST, MAX_BYTES};
+use super::{RbnError, small};
 use crate::interpolation::{Rows, mean};
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
@@ -177,11 +177,8 @@ pub fn encode(groups: &[LightGroup]) -> Result<Option<Vec<u8>>, RbnError> {
     if groups.is_empty() {
         return Ok(None);
     }
-    let bytes = bincode::encode_to_vec(groups, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!("groups of light need over {MAX_BYTES} bytes: solve for fewer lights"))
-    })
+    let too_large = || format!("groups of light need over {MAX_BYTES} bytes: solve for fewer lights");
+    small::encode(groups, too_large).map(Some)
 }
 
 /// Decodes section `LGRP`; the caller checks it.
@@ -189,14 +186,8 @@ pub fn encode(groups: &[LightGroup]) -> Result<Option<Vec<u8>>, RbnError> {
 /// # Errors
 /// [`RbnError::Invalid`].
 pub fn decode(bytes: &[u8]) -> Result<Vec<LightGroup>, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<Vec<LightGroup>, _>(bytes, config) {
-        Ok((groups, used)) if used == bytes.len() && !groups.is_empty() => Ok(groups),
-        Ok((_, used)) => {
-            Err(RbnError::invalid("LGRP", format!("no group, or {} bytes left over", bytes.len() - used)))
-        }
-        Err(error) => Err(RbnError::invalid("LGRP", error.to_string())),
-    }
+    let groups: Vec<LightGroup> = small::decode("LGRP", bytes)?;
+    if groups.is_empty() { Err(RbnError::invalid("LGRP", "it has no group")) } else { Ok(groups) }
 }
 
 /// Checks groups and values of unknown origin, for a file with so many lights and points.

@@ -11,10 +11,9 @@
 //! A chart is the unit square of a face's virtual mesh (Alonso et al. 2001): nothing is unwrapped. The charts of all
 //! copies of a model are arranged alike, at offsets of their own.
 
-use super::RbnError;
-use super::limits::MAX_BYTES;
 #[cfg(feature = "radiosity")]
 use super::limits::sane;
+use super::{RbnError, small};
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2};
@@ -120,13 +119,9 @@ pub fn offsets_of(copies: Range<usize>) -> Range<usize> {
 /// Encodes section `LMAP`.
 ///
 /// # Errors
-/// [`RbnError::TooLarge`] past [`MAX_BYTES`].
+/// [`RbnError::TooLarge`] past [`MAX_BYTES`](super::limits::MAX_BYTES).
 pub fn encode(layout: &LightmapLayout) -> Result<Vec<u8>, RbnError> {
-    let bytes = bincode::encode_to_vec(layout, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.ok_or_else(|| {
-        RbnError::TooLarge("a lightmap has too many layers: solve for fewer lights".to_owned())
-    })
+    small::encode(layout, || "a lightmap has too many layers: solve for fewer lights".to_owned())
 }
 
 /// Decodes section `LMAP`; the caller checks it.
@@ -134,12 +129,7 @@ pub fn encode(layout: &LightmapLayout) -> Result<Vec<u8>, RbnError> {
 /// # Errors
 /// [`RbnError::Invalid`].
 pub fn decode(bytes: &[u8]) -> Result<LightmapLayout, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<LightmapLayout, _>(bytes, config) {
-        Ok((layout, used)) if used == bytes.len() => Ok(layout),
-        Ok(_) => Err(RbnError::invalid("LMAP", "bytes are left over")),
-        Err(error) => Err(RbnError::invalid("LMAP", error.to_string())),
-    }
+    small::decode("LMAP", bytes)
 }
 
 /// Checks a lightmap of unknown origin, for a file with so many columns of light, vertices and instances.

@@ -1,14 +1,12 @@
-//! The small metadata of a .rbn file: section `META`, bincode 2 standard configuration.
-//!
-//! bincode is used only here and in [`extras`](super::extras), and never for more than [`MAX_BYTES`].
+//! The metadata of a .rbn file: section `META`, bincode 2 standard configuration, at most [`MAX_BYTES`].
 
-use super::RbnError;
 use super::extras::Extras;
 pub use super::limits::MAX_BYTES;
 use super::shown::Shown;
 #[cfg(feature = "radiosity")]
 use super::specular::SpecularExtras;
 pub use super::texture::DetailTexture;
+use super::{RbnError, small};
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
 
@@ -313,13 +311,9 @@ pub struct BakeInfo {
 /// # Errors
 /// [`RbnError::TooLarge`] past [`MAX_BYTES`].
 pub fn encode(meta: &Meta) -> Result<Vec<u8>, RbnError> {
-    let too_large = || {
-        RbnError::TooLarge(format!(
-            "the scene's material and texture lists need over {MAX_BYTES} bytes: merge materials"
-        ))
-    };
-    let bytes = bincode::encode_to_vec(meta, bincode::config::standard()).map_err(|_| too_large())?;
-    if bytes.len() > MAX_BYTES { Err(too_large()) } else { Ok(bytes) }
+    small::encode(meta, || {
+        format!("the scene's material and texture lists need over {MAX_BYTES} bytes: merge materials")
+    })
 }
 
 /// Decodes the metadata.
@@ -327,12 +321,5 @@ pub fn encode(meta: &Meta) -> Result<Vec<u8>, RbnError> {
 /// # Errors
 /// [`RbnError::Invalid`] for malformed or left-over bytes.
 pub fn decode(bytes: &[u8]) -> Result<Meta, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<Meta, _>(bytes, config) {
-        Ok((meta, used)) if used == bytes.len() => Ok(meta),
-        Ok((_, used)) => {
-            Err(RbnError::invalid("META", format!("{} bytes are left over", bytes.len() - used)))
-        }
-        Err(error) => Err(RbnError::invalid("META", error.to_string())),
-    }
+    small::decode("META", bytes)
 }

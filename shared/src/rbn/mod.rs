@@ -30,6 +30,7 @@ mod matrix;
 pub mod meta;
 pub mod node_tracks;
 pub mod shown;
+mod small;
 pub mod sources;
 #[cfg(feature = "radiosity")]
 pub mod specular;

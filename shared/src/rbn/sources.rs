@@ -4,8 +4,8 @@
 //! Senders of the rows, in order: the [bins](crate::environment::bins) of the sky, if any; then the groups, a sender for
 //! a group of one colour, and a sender for each channel of a coloured group.
 
-use super::RbnError;
 use super::limits::MAX_BYTES;
+use super::{RbnError, small};
 use crate::environment::bins::BINS;
 use bincode::{Decode, Encode};
 use glam::Vec3;
@@ -95,11 +95,8 @@ pub fn encode(sources: &Sources) -> Result<Option<Vec<u8>>, RbnError> {
     if *sources == Sources::default() {
         return Ok(None);
     }
-    let bytes = bincode::encode_to_vec(sources, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!("groups of shining surfaces need over {MAX_BYTES} bytes: merge some"))
-    })
+    let too_large = || format!("groups of shining surfaces need over {MAX_BYTES} bytes: merge some");
+    small::encode(sources, too_large).map(Some)
 }
 
 /// Decodes section `SRCS`; the caller checks it.
@@ -107,14 +104,7 @@ pub fn encode(sources: &Sources) -> Result<Option<Vec<u8>>, RbnError> {
 /// # Errors
 /// [`RbnError::Invalid`].
 pub fn decode(bytes: &[u8]) -> Result<Sources, RbnError> {
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<Sources, _>(bytes, config) {
-        Ok((sources, used)) if used == bytes.len() => Ok(sources),
-        Ok((_, used)) => {
-            Err(RbnError::invalid("SRCS", format!("{} bytes are left over", bytes.len() - used)))
-        }
-        Err(error) => Err(RbnError::invalid("SRCS", error.to_string())),
-    }
+    small::decode("SRCS", bytes)
 }
 
 /// Checks sources of unknown origin.

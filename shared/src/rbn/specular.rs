@@ -1,8 +1,8 @@
 //! How materials shine besides metalness, roughness and specular strength: section `MATG`, present only in files with a
 //! non-default [`SpecularExtras`].
 
-use super::RbnError;
 use super::limits::{MAX_BYTES, all_sane, sane};
+use super::{RbnError, small};
 use bincode::de::Decoder;
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
@@ -84,11 +84,8 @@ pub(crate) fn encode<'a>(
     if records.is_empty() {
         return Ok(None);
     }
-    let bytes = bincode::encode_to_vec(&records, bincode::config::standard());
-    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
-    bytes.map(Some).ok_or_else(|| {
-        RbnError::TooLarge(format!("materials that shine need over {MAX_BYTES} bytes: merge some"))
-    })
+    let too_large = || format!("materials that shine need over {MAX_BYTES} bytes: merge some");
+    small::encode(&records, too_large).map(Some)
 }
 
 /// Decodes the section into the materials; records are in ascending order of material index. The caller checks the numbers.
@@ -97,12 +94,7 @@ pub(crate) fn encode<'a>(
 /// [`RbnError::Invalid`].
 pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut SpecularExtras]) -> Result<(), RbnError> {
     let bad = |problem: String| RbnError::invalid(SECTION, problem);
-    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    let (records, used): (Vec<SpecularRecord>, usize) =
-        bincode::decode_from_slice(bytes, config).map_err(|error| bad(error.to_string()))?;
-    if used != bytes.len() {
-        return Err(bad(format!("{} bytes are left over", bytes.len() - used)));
-    }
+    let records: Vec<SpecularRecord> = small::decode(SECTION, bytes)?;
     let mut least = 0;
     for (number, ior, specular_color, clearcoat, clearcoat_roughness) in records {
         let material = materials.get_mut(number as usize).filter(|_| number >= least);

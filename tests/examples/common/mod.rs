@@ -6,8 +6,7 @@ pub mod screen;
 use anyhow::{Context, Result};
 use rebounce::io::{environment, shot};
 use rebounce::shared::baked::BakedScene;
-use rebounce::shared::colour::pack_rgb9e5;
-use rebounce::shared::environment::{Environment, PackedEnvironment};
+use rebounce::shared::environment::PackedEnvironment;
 use rebounce::shared::light::Light;
 use rebounce::shared::lighting::with_emission;
 use rebounce_viewer::gpu::Gpu;
@@ -44,7 +43,7 @@ pub fn set_shot(renderer: &mut Renderer, file: &Path) -> Result<[u32; 2]> {
     });
     if let Some(picture) = picture {
         let (picture, _) = environment::read(&file.with_file_name(picture))?;
-        renderer.set_environment(Some(packed(&picture)))?;
+        renderer.set_environment(Some(PackedEnvironment::whole(&picture)))?;
     }
     renderer.set_conductors(shot.gloss);
     renderer.set_camera(shot.camera)?;
@@ -54,12 +53,4 @@ pub fn set_shot(renderer: &mut Renderer, file: &Path) -> Result<[u32; 2]> {
         renderer.move_named(&shot.moves)?;
     }
     Ok(shot.size)
-}
-
-/// An environment in all its pixels, as a page hands it over.
-fn packed(picture: &Environment) -> PackedEnvironment {
-    let largest = picture.pixels.iter().fold(1.0f32, |most, pixel| most.max(pixel.max_element()));
-    let scale = (largest / 32768.0).max(1.0).log2().ceil().exp2();
-    let pixels = picture.pixels.iter().map(|pixel| pack_rgb9e5(*pixel / scale)).collect();
-    PackedEnvironment { width: picture.width, height: picture.height, scale, pixels }
 }

@@ -5,8 +5,8 @@ use super::display::SlotBuffers;
 use super::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{
-    Draw, Slot, WORKGROUP, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout,
-    opaque, target, view,
+    Draw, Slot, WORKGROUP, around, attachment, bilinear, blended, buffer, compute, empty_buffer, group,
+    layout, opaque, target, view,
 };
 use crate::gpu::scope::Scope;
 use crate::shaders;
@@ -211,13 +211,7 @@ impl CompositePass {
             before_layout,
             present_layout,
             bilinear,
-            around: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                address_mode_u: wgpu::AddressMode::Repeat,
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                ..Default::default()
-            }),
+            around: around(gpu),
             present: RefCell::default(),
         }
     }

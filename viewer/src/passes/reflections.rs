@@ -2,7 +2,9 @@
 
 use super::gbuffer::GBuffer;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Draw, Slot, attachment, empty_buffer, group, layout, opaque, target, view};
+use crate::gpu::bindings::{
+    Draw, Slot, around, attachment, empty_buffer, group, layout, opaque, target, view,
+};
 use crate::gpu::scope::Scope;
 use crate::scene::GpuScene;
 use crate::scene::gloss::GpuGloss;
@@ -105,14 +107,7 @@ impl ReflectionsPass {
                 ..Default::default()
             }
             .pipeline(gpu);
-            let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                address_mode_u: wgpu::AddressMode::Repeat,
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                ..Default::default()
-            });
-            (layout, pipeline, sampler)
+            (layout, pipeline, around(gpu))
         })
     }
 

@@ -1,35 +1,24 @@
-//! Real spherical harmonics to the second band, in the order of three.js' `SphericalHarmonics3`: 1, y, z, x, xy, yz,
-//! 3z² − 1, xz, x² − y².
+//! Spherical harmonics of probes: the first three bands of [`rebounce_shared::harmonics`], in the order of three.js'
+//! `SphericalHarmonics3`.
 
 use glam::Vec3;
+use rebounce_shared::harmonics::zonal::COSINE;
+use rebounce_shared::harmonics::{band, evaluate};
 
 /// Number of coefficients.
 pub const COUNT: usize = 9;
 
-/// Factor of each band that turns radiance into irradiance (Ramamoorthi and Hanrahan 2001, *An Efficient Representation
-/// for Irradiance Environment Maps*, Eq. 8): π, 2π/3, π/4.
-pub const COSINE: [f32; 3] = [std::f32::consts::PI, 2.094_395_2, std::f32::consts::FRAC_PI_4];
-
 /// The basis in a direction, a unit vector.
-pub fn basis(d: Vec3) -> [f32; COUNT] {
-    [
-        0.282_094_8,
-        0.488_602_5 * d.y,
-        0.488_602_5 * d.z,
-        0.488_602_5 * d.x,
-        1.092_548_4 * d.x * d.y,
-        1.092_548_4 * d.y * d.z,
-        0.315_391_57 * (3.0 * d.z * d.z - 1.0),
-        1.092_548_4 * d.x * d.z,
-        0.546_274_2 * (d.x * d.x - d.y * d.y),
-    ]
+pub fn basis(direction: Vec3) -> [f32; COUNT] {
+    let all = evaluate(direction);
+    std::array::from_fn(|i| all[i])
 }
 
 /// Irradiance of a surface with this unit normal under radiance of these coefficients; not negative.
 pub fn irradiance(radiance: &[Vec3; COUNT], normal: Vec3) -> Vec3 {
-    let band = |i: usize| COSINE[usize::from(i > 0) + usize::from(i > 3)];
-    let sum: Vec3 =
-        basis(normal).iter().zip(radiance).enumerate().map(|(i, (y, l))| *l * (*y * band(i))).sum();
+    let basis = basis(normal);
+    let terms = basis.iter().zip(radiance).enumerate();
+    let sum: Vec3 = terms.map(|(i, (y, l))| *l * (*y * COSINE[band(i)])).sum();
     sum.max(Vec3::ZERO)
 }
 

@@ -244,8 +244,7 @@ impl Renderer {
         #[cfg(feature = "radiosity")]
         let charted = charted
             | flag(
-                self.mode == Mode::All
-                    && scene.is_some_and(|scene| scene.gloss.is_some() && scene.by_radiosity().is_none()),
+                self.mode == Mode::All && scene.and_then(GpuScene::reflecting).is_some(),
                 composite::GLOSSY,
             );
         #[cfg(not(feature = "radiosity"))]

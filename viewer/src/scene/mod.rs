@@ -133,6 +133,12 @@ impl GpuScene {
         self.moving.as_ref().filter(|_| self.relight.is_by_radiosity())
     }
 
+    /// The glossy transfer that pictures show; `None` where radiosity computes bounced light, too.
+    #[cfg(feature = "radiosity")]
+    pub fn reflecting(&self) -> Option<&GpuGloss> {
+        self.gloss.as_ref().filter(|_| self.by_radiosity().is_none())
+    }
+
     /// Bytes on the GPU for bounced light.
     pub fn light_bytes(&self) -> u64 {
         #[cfg(feature = "radiosity")]

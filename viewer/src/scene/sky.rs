@@ -3,9 +3,9 @@
 use crate::gpu::Gpu;
 use crate::gpu::scope::Scope;
 use rebounce_shared::colour::pack_rgb9e5;
-#[cfg(feature = "radiosity")]
-use rebounce_shared::environment::Environment;
 use rebounce_shared::environment::PackedEnvironment;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::environment::{Environment, packed};
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::lighting::PreparedEnvironment;
 #[cfg(feature = "radiosity")]
@@ -49,10 +49,7 @@ impl Sky {
     pub fn reflected(&self) -> &ReflectedTexture {
         self.reflected.get_or_init(|| {
             let levels = &self.prepared.reflection().mips().levels;
-            let all = levels.iter().flat_map(|level| &level.pixels);
-            let largest = all.fold(0.0f32, |most, pixel| most.max(pixel.max_element()));
-            // rgb9e5 is exact to nine bits from 2^-7 to 2^15.
-            let scale = if largest > 0.0 { (largest / 32768.0).log2().ceil().exp2() } else { 1.0 };
+            let scale = packed::scale(levels.iter().flat_map(|level| &level.pixels));
             let size = |level: &Environment| Extent3d {
                 width: level.width,
                 height: level.height,

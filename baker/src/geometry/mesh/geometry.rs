@@ -316,7 +316,8 @@ impl Geometry {
         let instances = scene.moved_instances(motions);
         let materials = &scene.meta.materials;
         let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
-        let of_pictures = |m| needed::of_emission(m).into_iter().chain(needed::of_gloss(m));
+        let of_gloss = |m| needed::of_gloss(m).filter(|_| !scene.gloss.is_empty());
+        let of_pictures = |m| needed::of_emission(m).into_iter().chain(of_gloss(m));
         let used: HashSet<u32> = materials.iter().flat_map(of_pictures).collect();
         let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()

@@ -59,7 +59,7 @@ pub struct Relit {
     /// Light of every point along the point's normal: irradiance of the bounced light, and of the light straight from
     /// the sky and emissive surfaces.
     irradiance: Vec<PointLight>,
-    /// What the [senders send](relight::sent_after_bounces); empty in fixed solutions.
+    /// What the [senders send](relight::sent_after_bounces); empty where light is not the operator's.
     sent: Vec<Vec3>,
     /// The same light at the texels of the file's lightmap; empty without one.
     lightmap: MixedLightmap,
@@ -130,7 +130,7 @@ impl Relit {
             }
         };
         let (mut irradiance, sent) = match (by_radiosity, scene.is_solved()) {
-            (true, _) => gathered(scene, surfaces, &lighting, (&accelerator, motions)),
+            (true, _) => (gathered(scene, surfaces, &lighting, (&accelerator, motions)), Vec::new()),
             (_, true) => (mixed(scene, &lighting), Vec::new()),
             (_, false) => relit(scene, surfaces, &lighting),
         };
@@ -149,10 +149,14 @@ impl Relit {
         Self { lighting, irradiance, sent, lightmap, group_of, basis, reach, motions, reflections: None }
     }
 
-    /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. `scene` is that of
-    /// [`Self::new`].
+    /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. What is lit by
+    /// radiosity reflects nothing. `scene` is that of [`Self::new`].
     pub fn with_gloss(self, scene: &BakedScene) -> Self {
-        Self { reflections: Reflections::new(scene, &self.lighting, &self.sent), ..self }
+        let reflections = match self.sent.is_empty() {
+            true => None,
+            false => Reflections::new(scene, &self.lighting, &self.sent),
+        };
+        Self { reflections, ..self }
     }
 
     /// Interpolates the points' light at a surface element of a reconstruction group, RGB, local space: without detail,
@@ -279,11 +283,8 @@ impl Relit {
     }
 }
 
-/// Light of the points, and what the senders send.
-type PointsAndSenders = (Vec<PointLight>, Vec<Vec3>);
-
-/// Returns the light of the points of a file whose lights move.
-fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> PointsAndSenders {
+/// Returns the light of the points of a file whose lights move, and what its senders send.
+fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> (Vec<PointLight>, Vec<Vec3>) {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
@@ -304,7 +305,7 @@ fn gathered(
     surfaces: &impl Surfaces,
     lighting: &Lighting,
     (accelerator, motions): (&Accelerator, &Motions),
-) -> PointsAndSenders {
+) -> Vec<PointLight> {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
@@ -317,10 +318,8 @@ fn gathered(
     let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {
         receivers.par_iter().map(|receiver| gather(*receiver)).collect()
     });
-    let all: Vec<Vec3> = direct.iter().zip(&solution.irradiance).map(|(e, bounced)| *e + *bounced).collect();
-    let sent = relight::sent(scene, &all);
     let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
-    (solution.irradiance.into_iter().enumerate().map(light).collect(), sent)
+    solution.irradiance.into_iter().enumerate().map(light).collect()
 }
 
 /// Returns the light of the points of a fixed solution.
