@@ -8,6 +8,7 @@
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
 //! * `harmonics` – spherical harmonics; `ggx`, `gloss` – how rough metals and varnish reflect;
+//! * `diffuse_transfer` – irradiance of the points of a file that is for an environment;
 //! * [`elementary`] – elementary functions with the same bits on every platform;
 //! * [`environment`] – light from infinitely far: pictures, bins, suns, daylight;
 //! * [`exposure`] – limit of the automatic exposure;
@@ -30,6 +31,8 @@ pub mod basis;
 pub mod camera;
 pub mod clip_planes;
 pub mod colour;
+#[cfg(feature = "radiosity")]
+pub mod diffuse_transfer;
 pub mod elementary;
 pub mod environment;
 pub mod exposure;

@@ -1,7 +1,7 @@
 //! The arguments of `rebounce bake`.
 
 use crate::error::ArgsError;
-use crate::layout::{ADVANCED, LayoutArgs, PresetName, RefinementName, SolverName, TransferName};
+use crate::layout::{ADVANCED, LayoutArgs, PresetName, PurposeName, RefinementName, SolverName, TransferName};
 use crate::load::LoadArgs;
 use crate::number;
 use crate::paths::{Places, check_paths};
@@ -64,6 +64,12 @@ pub struct BakeArgs {
     /// there is neither, the coarsest preset that is made for the error is taken.
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub target_error: Option<f64>,
+    /// What the file is shown in: a room with lamps, or an object under any environment
+    ///
+    /// An object has a small file: its points get the light of the environment, self-shadowed and after all bounces, and no
+    /// links. Its metals reflect the environment. Lamps light it without a bounce, directional ones with.
+    #[arg(long = "for", value_enum, default_value = "room", value_name = "PURPOSE")]
+    purpose: PurposeName,
     /// What bounced light is computed from
     #[arg(long, value_enum, default_value = "operator", help_heading = QUALITY, hide_short_help = true)]
     solver: SolverName,
@@ -174,6 +180,16 @@ impl BakeArgs {
     /// # Errors
     /// The problem.
     pub fn check(&self, places: &dyn Places) -> Result<(), ArgsError> {
+        if self.purpose == PurposeName::Environment {
+            let other = [
+                (self.solver == SolverName::Radiosity, "--solver radiosity"),
+                (self.no_sources, "--no-sources"),
+                (self.target_error.is_some(), "--target-error"),
+            ];
+            if let Some((_, option)) = other.into_iter().find(|(is_given, _)| *is_given) {
+                return Err(ArgsError::ForEnvironment(option));
+            }
+        }
         check_paths(places, &self.scene, self.shot.as_deref(), &self.output(), self.report.as_deref())
     }
 
@@ -199,6 +215,9 @@ impl BakeArgs {
     /// Returns the preset's settings with the overrides of the arguments; points are placed for `camera`, too.
     pub fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
         let mut s = BakeSettings::new(preset);
+        if self.purpose == PurposeName::Environment {
+            s = s.for_environment();
+        }
         fn set<T: Clone>(value: &mut T, given: &Option<T>) {
             if let Some(given) = given {
                 *value = given.clone();
@@ -217,7 +236,7 @@ impl BakeArgs {
         set(&mut s.operator.later_levels, &self.later_levels);
         set(&mut s.direct_levels, &self.direct_levels);
         self.layout.apply(&mut s);
-        if let Some(gloss) = &mut s.gloss {
+        if let (Some(gloss), PurposeName::Room) = (&mut s.gloss, self.purpose) {
             gloss.transfer = self.gloss_transfer.into();
         }
         if let (Some(gloss), Some((metals, others))) = (&mut s.gloss, self.gloss_roughness) {

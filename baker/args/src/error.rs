@@ -27,6 +27,9 @@ pub enum ArgsError {
     /// Every pixel of the environment is black.
     #[error("the environment is black")]
     Black,
+    /// An option that a file for an environment cannot have.
+    #[error("--for environment bakes an operator and keeps the light of the sky alone: leave out {0}")]
+    ForEnvironment(&'static str),
     /// An output has the ending of other files.
     #[error("{path}: {what} is a .{ending} file: give a name that ends in .{ending}")]
     Ending {

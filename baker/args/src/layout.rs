@@ -54,6 +54,15 @@ impl From<SolverName> for BakeSolver {
     }
 }
 
+/// What a file is shown in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PurposeName {
+    /// A room or a landscape, whose lamps move
+    Room,
+    /// An object under any environment, turned and replaced at will: a small file, lit from all around
+    Environment,
+}
+
 /// Name of a way in which bounced light comes to metals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TransferName {

@@ -171,7 +171,7 @@ impl<'a> Baker<'a> {
         task.step(0)?;
         let emitter = choose_emitter(scene, &*surfaces, &settings)?;
         task.step(0)?;
-        let staged = Staged::new(scene, &emitter, &*surfaces);
+        let staged = Staged::new(scene, &emitter, &*surfaces, settings.purpose);
         task.step(0)?;
         drop(task);
         let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();

@@ -201,6 +201,10 @@ pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetE
     if whole <= bytes {
         return Ok(None);
     }
+    if file.is_for_environment() {
+        let largest = "points and transfer take it: bake with fewer --functions".to_owned();
+        return Err(BudgetError::Bytes { wanted: bytes, least: whole, largest });
+    }
     let size = |links: &LinkMatrix<Link>, later: &LinkMatrix<LaterLink>| {
         links::encode(&links.offsets, &links.links).len() + links::encode(&later.offsets, &later.links).len()
     };

@@ -18,6 +18,8 @@ impl Identity {
             viewpoints,
             camera,
             solver,
+            purpose,
+            transfer,
             place,
             operator,
             sources,
@@ -55,7 +57,7 @@ impl Identity {
             rebounce_shared::SOURCES,
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 25] = [
+        let parts: [(&str, &dyn Debug); 27] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -81,6 +83,8 @@ impl Identity {
             ("gloss", &gloss),
             ("solver", &solver),
             ("refinement", &refinement),
+            ("purpose", &purpose),
+            ("transfer", &transfer),
         ];
         let mut named = vec![
             ("program".to_owned(), program),

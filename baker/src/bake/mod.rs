@@ -31,7 +31,7 @@ pub use crate::job::checkpoint::{Checkpoint, CheckpointError, Identity};
 pub use crate::job::stage::Stage;
 pub use baker::Baker;
 pub use observer::{Observer, Preview, Progress};
-pub use preset::{BakeSettings, BakeSolver, Preset};
+pub use preset::{BakeSettings, BakeSolver, Preset, Purpose};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 pub use solve::{FixedSolver, SolveSettings, solve};
 pub use solve_report::{SolveReport, WaveletReport};
@@ -64,6 +64,11 @@ pub enum BakeError {
         "no place was found, inside the scene or around it, from which any surface's reflecting side can be seen: give one with --viewpoint x,y,z (are the surfaces one-sided and facing away?)"
     )]
     NoViewpoint,
+    /// No light of the sky arrives, where the file is for an environment.
+    #[error(
+        "no light from around reaches the scene, so it cannot be baked for an environment: leave out `--for environment`, or open the scene to the sky"
+    )]
+    NoSky,
     /// Points could not be placed.
     #[error(transparent)]
     Place(PlaceError),
@@ -160,7 +165,7 @@ pub fn lights_and_cameras(
     }
     let surfaces = SceneSurfaces::simplified(scene);
     let emitter = choose_emitter(scene, &surfaces, settings)?;
-    let staged = Staged::new(scene, &emitter, &surfaces);
+    let staged = Staged::new(scene, &emitter, &surfaces, settings.purpose);
     Ok((staged.lights, staged.cameras))
 }
 
@@ -176,6 +181,11 @@ pub fn choose_emitter<S: Surfaces + ?Sized>(
 ) -> Result<ParticleEmitter, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
     let seed = settings.place.seed;
+    if settings.purpose == Purpose::Environment {
+        let around = ParticleEmitter { is_open: true, faces_sky: true, ..ParticleEmitter::default() };
+        let sees_any = !Candidates::new(surfaces, &around, seed).batch().is_empty();
+        return sees_any.then_some(around).ok_or(BakeError::NoViewpoint);
+    }
     if !settings.viewpoints.is_empty() {
         let viewpoints: Vec<Vec3> = settings.viewpoints.iter().copied().map(local).collect();
         let views = viewpoints.iter().copied().map(View::around).collect();

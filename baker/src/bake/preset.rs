@@ -5,7 +5,8 @@ use crate::job::Job;
 use crate::job::communicator::CommunicatorError;
 use crate::sampling::PlaceSettings;
 use crate::transport::direct_to_indirect::DirectToIndirect;
-use crate::transport::gloss::GlossSettings;
+use crate::transport::environment::TransferSettings;
+use crate::transport::gloss::{GlossSettings, Transfer};
 use crate::transport::sources::SourceSettings;
 use crate::transport::{Operator, OperatorSettings, Partial, Problem, Refinement, Solver, Unlinked};
 use rebounce_shared::camera::Camera;
@@ -53,6 +54,17 @@ pub enum BakeSolver {
     Radiosity,
 }
 
+/// What a file is shown in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// A room or a landscape: lamps move.
+    #[default]
+    Room,
+    /// An object under any environment: a small file without links, whose light is that of the sky
+    /// ([`keep_for_environment`](crate::transport::environment::keep_for_environment)).
+    Environment,
+}
+
 impl<S: Surfaces + ?Sized> Solver<S> for BakeSolver {
     type Solution = Operator;
 
@@ -81,6 +93,10 @@ pub struct BakeSettings {
     pub camera: Option<Camera>,
     /// What bounced light is computed from.
     pub solver: BakeSolver,
+    /// What the file is shown in.
+    pub purpose: Purpose,
+    /// How transfer from the environment is kept, where that is the purpose.
+    pub transfer: TransferSettings,
     /// How points are placed.
     pub place: PlaceSettings,
     /// How the operator is computed.
@@ -107,6 +123,8 @@ impl BakeSettings {
             viewpoints: Vec::new(),
             camera: None,
             solver: BakeSolver::default(),
+            purpose: Purpose::default(),
+            transfer: TransferSettings::default(),
             place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
                 refinement: Refinement::default(),
@@ -126,6 +144,16 @@ impl BakeSettings {
             gloss: Some(GlossSettings::default()),
             direct_levels: levels,
         }
+    }
+
+    /// For an object under any environment: half of the functions, no links to glossy points.
+    pub fn for_environment(mut self) -> Self {
+        self.purpose = Purpose::Environment;
+        self.place.functions /= 2;
+        if let Some(gloss) = &mut self.gloss {
+            gloss.transfer = Transfer::Matrices;
+        }
+        self
     }
 
     /// Adapts the values to `levels` levels, or the current number if greater. The added coarse levels use the coarsest

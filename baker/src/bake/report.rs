@@ -6,6 +6,7 @@ use crate::job::communicator::share::Traffic;
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::Operator;
+use crate::transport::environment::TransferReport;
 use crate::transport::gloss::GlossReport;
 use crate::transport::sources::SourceLinks;
 use crate::verify::compare::uncertainty::ErrorEstimate;
@@ -80,6 +81,8 @@ pub struct BakeReport {
     pub source_rays: u64,
     /// Glossy transfer.
     pub gloss: GlossReport,
+    /// Transfer from the environment, where the file is for one.
+    pub transfer: Option<TransferReport>,
     /// Bounces in the operator.
     pub bounces: u32,
     /// Share of the reflected light that no sender covers.
@@ -297,6 +300,13 @@ impl fmt::Display for BakeReport {
                 sources.join(", "),
                 self.source_links,
                 self.source_rays as f64 / 1e6
+            )?;
+        }
+        if let Some(TransferReport { points, vectors, compression_error }) = &self.transfer {
+            writeln!(
+                f,
+                "transfer      {vectors} vectors for {points} points, packed with an error of {:.1}%",
+                100.0 * compression_error
             )?;
         }
         let gloss = &self.gloss;

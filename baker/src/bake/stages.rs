@@ -6,7 +6,7 @@ use super::observer::{Observer, Preview};
 use super::placed::{ClippedPoints, PlacedLevel};
 use super::stand_in::Staged;
 use super::tracker::Tracker;
-use super::{BakeError, BakeReport, BakeSettings, BakeSolver};
+use super::{BakeError, BakeReport, BakeSettings, BakeSolver, Purpose};
 use crate::basis::{Relations, relate};
 use crate::geometry::Surfaces;
 use crate::job::Job;
@@ -17,6 +17,7 @@ use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
+use crate::transport::environment::keep_for_environment;
 use crate::transport::gloss::glossy_transfer;
 use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver, Unlinked};
@@ -159,6 +160,9 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             None => links().await?,
         };
         report.describe_sources(&sources);
+        if settings.purpose == Purpose::Environment && !sources.sources.has_sky {
+            return Err(BakeError::NoSky);
+        }
         let task = tracker.task(Stage::Assemble, None);
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
@@ -170,6 +174,11 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             let task = tracker.task(Stage::Gloss, None);
             let found = glossy_transfer(self.surfaces, &points, &file, gloss, &task)?;
             (file.gloss, report.gloss) = found;
+        }
+        if settings.purpose == Purpose::Environment {
+            let task = tracker.task(Stage::Gloss, None);
+            report.transfer = Some(keep_for_environment(&mut file, &settings.transfer));
+            task.step(0)?;
         }
         report.seconds = tracker.seconds();
         Ok(Some((file, report)))

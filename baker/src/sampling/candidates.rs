@@ -9,7 +9,7 @@
 //! unlike in the paper, half of the particles start from the sky, and particles that leave the scene start again from a
 //! random direction around. At a surface a particle tries several directions for a hit with another surface before
 //! leaving, and both surfaces become candidates. So all surfaces that exchange light have points, and surfaces that
-//! face only the sky have none.
+//! face only the sky have none, unless the emitter [asks](ParticleEmitter::faces_sky) for them.
 
 use super::SurfacePoint;
 use super::emitter::ParticleEmitter;
@@ -50,6 +50,9 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
             if emitter.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
         let regions = Vec::new();
         let mut source = Self { surfaces, emitter, regions, seed, next_particle: 0, dropped_bounces };
+        if emitter.is_open && emitter.faces_sky {
+            source.dropped_bounces = 0;
+        }
         while source.dropped_bounces > 0 {
             let found = source.batch().len();
             source.next_particle = 0;

@@ -50,6 +50,8 @@ pub struct ParticleEmitter {
     pub views: Vec<View>,
     /// True for an object or a landscape, where light arrives from all around and leaves; false for a room.
     pub is_open: bool,
+    /// Whether surfaces of an open scene that face only the sky have points, too.
+    pub faces_sky: bool,
 }
 
 impl ParticleEmitter {

@@ -8,11 +8,13 @@
 //! * [`wavelet`] – bounced light of given lights on exact surfaces (Alonso et al. 2001);
 //! * [`Unlinked`] – no transport: radiosity of moving things is computed when a file is shown (Schäfer et al. 2011);
 //! * [`sources`] – links from the sky and from emissive surfaces, which stay in place;
+//! * [`environment`] – transfer from the sky in place of links, for objects (Sloan et al. 2002);
 //! * `gloss` – what arrives at glossy surfaces from each direction of the sky (Lehtinen et al. 2007).
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
 pub mod direct_to_indirect;
+pub mod environment;
 #[cfg(feature = "gloss")]
 pub mod gloss;
 #[cfg(not(feature = "gloss"))]

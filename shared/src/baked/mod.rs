@@ -14,6 +14,8 @@ use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
 #[cfg(feature = "radiosity")]
+use crate::rbn::diffuse_transfer::DiffuseTransfer;
+#[cfg(feature = "radiosity")]
 use crate::rbn::gloss::Gloss;
 use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
@@ -75,6 +77,9 @@ pub struct BakedScene {
     /// What arrives at points of glossy surfaces from each direction, if there are any.
     #[cfg(feature = "radiosity")]
     pub gloss: Gloss,
+    /// From the environment to irradiance along the points' normals, in place of links; empty where light comes by links.
+    #[cfg(feature = "radiosity")]
+    pub diffuse_transfer: DiffuseTransfer,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
@@ -167,6 +172,16 @@ impl BakedScene {
             && !self.reflectance.is_empty()
             && self.links.links.is_empty()
             && !self.is_solved()
+            && !self.is_for_environment()
+    }
+
+    /// Whether the light of the environment comes by diffuse transfer, and there are no links.
+    #[inline]
+    pub fn is_for_environment(&self) -> bool {
+        #[cfg(feature = "radiosity")]
+        return !self.diffuse_transfer.is_empty();
+        #[cfg(not(feature = "radiosity"))]
+        false
     }
 
     /// Albedo of the surface under point `i`, linear RGB.
@@ -205,8 +220,11 @@ impl BakedScene {
     /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
-        if !self.groups.is_empty() || !self.reflectance.is_empty() {
+        if self.is_for_environment() {
             return container::VERSION;
+        }
+        if !self.groups.is_empty() || !self.reflectance.is_empty() {
+            return container::WITHOUT_TRANSFER;
         }
         if self.is_solved() || !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
             return container::ONE_GROUP;
@@ -277,6 +295,10 @@ impl BakedScene {
         let of_gloss = self.gloss_sections()?;
         #[cfg(feature = "radiosity")]
         sections.extend(of_gloss.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let of_transfer = self.transfer_sections()?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(of_transfer.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -332,6 +354,8 @@ impl BakedScene {
             lightmap: Lightmap::default(),
             #[cfg(feature = "radiosity")]
             gloss: Gloss::default(),
+            #[cfg(feature = "radiosity")]
+            diffuse_transfer: DiffuseTransfer::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {

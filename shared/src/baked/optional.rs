@@ -2,11 +2,12 @@
 
 use super::{BakedScene, packed_bytes, records, unpacked_bytes};
 use crate::rbn::codec::{MOST_TIMES, columns};
+use crate::rbn::diffuse_transfer::{self, DiffuseTransfer};
 use crate::rbn::gloss::{self, Gloss};
 use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::{
-    GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS, LIGHTMAP_SECTIONS, LinkMatrix, RbnError,
+    DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS, LIGHTMAP_SECTIONS, LinkMatrix, RbnError,
     SPECULAR_SECTION, groups, specular,
 };
 
@@ -51,8 +52,20 @@ impl BakedScene {
         Ok(out)
     }
 
-    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy transfer, of groups and of
-    /// reflectances.
+    /// Packs the sections of diffuse transfer; none without it.
+    pub(super) fn transfer_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
+        let DiffuseTransfer { layout, clusters, weights, vectors } = &self.diffuse_transfer;
+        if self.diffuse_transfer.is_empty() {
+            return Ok(Vec::new());
+        }
+        let packed = |bytes: &[u8]| packed_bytes(bytes).unwrap_or_default();
+        let sections =
+            [diffuse_transfer::encode(layout)?, packed(clusters), packed(weights), packed(vectors)];
+        Ok(DIFFUSE_SECTIONS.into_iter().zip(sections).collect())
+    }
+
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy and diffuse transfer, of groups and
+    /// of reflectances.
     pub(super) fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
@@ -77,13 +90,21 @@ impl BakedScene {
                 texels: records("LMTX", bytes(*b"LMTX")?)?,
             };
         }
-        if GLOSS_SECTIONS.into_iter().chain(GLOSS_LINK_SECTIONS).any(has) {
-            let unpacked = |name: [u8; 4]| {
-                let packed = bytes(name)?;
-                let most = packed.len().saturating_mul(MOST_TIMES);
-                let name = String::from_utf8_lossy(&name);
-                if packed.is_empty() { Ok(Vec::new()) } else { unpacked_bytes(&name, packed, most) }
+        let unpacked = |name: [u8; 4]| {
+            let packed = bytes(name)?;
+            let most = packed.len().saturating_mul(MOST_TIMES);
+            let name = String::from_utf8_lossy(&name);
+            if packed.is_empty() { Ok(Vec::new()) } else { unpacked_bytes(&name, packed, most) }
+        };
+        if DIFFUSE_SECTIONS.into_iter().any(has) {
+            self.diffuse_transfer = DiffuseTransfer {
+                layout: diffuse_transfer::decode(bytes(*b"DTLY")?)?,
+                clusters: unpacked(*b"DTCL")?,
+                weights: unpacked(*b"DTWT")?,
+                vectors: unpacked(*b"DTBS")?,
             };
+        }
+        if GLOSS_SECTIONS.into_iter().chain(GLOSS_LINK_SECTIONS).any(has) {
             let links = match GLOSS_LINK_SECTIONS.into_iter().any(has) {
                 true => LinkMatrix {
                     links: records("GLLK", bytes(*b"GLLK")?)?,

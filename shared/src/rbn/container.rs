@@ -38,7 +38,9 @@ pub const MAGIC: [u8; 8] = *b"REBOUNCE";
 /// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. A file is written in the least
 /// version that supports its features. Without the feature `radiosity` files with [groups](super::groups) are too new,
 /// and [fixed solutions](super::light_groups) are not read.
-pub const VERSION: u32 = if cfg!(feature = "radiosity") { 11 } else { ONE_GROUP };
+pub const VERSION: u32 = if cfg!(feature = "radiosity") { 12 } else { ONE_GROUP };
+/// Last version without diffuse transfer.
+pub const WITHOUT_TRANSFER: u32 = 11;
 /// Last version without [reconstruction groups](super::groups).
 pub const ONE_GROUP: u32 = 10;
 /// Last version whose lights are all [punctual](crate::light::LightKind::is_punctual). Parents in files from this
@@ -58,13 +60,15 @@ pub const SINCE: &[([u8; 4], u32)] = &[
     #[cfg(feature = "radiosity")]
     (*b"LGRP", ONE_GROUP),
     #[cfg(feature = "radiosity")]
-    (*b"RGRP", VERSION),
+    (*b"RGRP", WITHOUT_TRANSFER),
     #[cfg(feature = "radiosity")]
-    (*b"MGRP", VERSION),
+    (*b"MGRP", WITHOUT_TRANSFER),
     #[cfg(feature = "radiosity")]
-    (*b"PGRP", VERSION),
+    (*b"PGRP", WITHOUT_TRANSFER),
     #[cfg(feature = "radiosity")]
-    (*b"REFL", VERSION),
+    (*b"REFL", WITHOUT_TRANSFER),
+    #[cfg(feature = "radiosity")]
+    (*b"DTLY", VERSION),
 ];
 /// Alignment of sections, bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;

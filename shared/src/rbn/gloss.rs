@@ -23,16 +23,14 @@
 //! Where there are links, all light that bounced or comes from emissive surfaces arrives by them, and vectors have visibility
 //! alone. A point with links has what they say; one without has the mean of its parents.
 
+use super::clustered::{Clustered, stored};
 use super::gloss_links::{self, GlossLinks};
 use super::limits::sane;
 use super::{RbnError, small};
 use crate::harmonics::COUNT;
 use bincode::{Decode, Encode};
 
-/// Cluster of points without a matrix.
-pub const NO_MATRIX: u8 = 255;
-/// Maximum number of components of a cluster.
-pub const MAX_COMPONENTS: usize = 64;
+pub use super::clustered::{MAX_COMPONENTS, NO_CLUSTER as NO_MATRIX};
 
 /// Sizes and scales.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
@@ -90,22 +88,28 @@ impl Gloss {
 
     /// Number of matrices.
     pub fn matrices(&self) -> usize {
-        self.clusters.iter().filter(|cluster| **cluster != NO_MATRIX).count()
+        stored(&self.clusters)
     }
 
     /// A vector of a cluster: 0 the mean, then the components.
     pub fn vector(&self, cluster: usize, number: usize) -> impl Iterator<Item = f32> {
-        let place = cluster * (1 + self.layout.components as usize) + number;
-        let (size, scale) = (self.layout.dimensions(), self.layout.vector_scales[place]);
-        self.vectors[place * size..][..size].iter().map(move |byte| f32::from(*byte as i8) * scale)
+        self.packed().vector(cluster, number)
     }
 
     /// Weights of the matrix with this number, for a cluster.
     pub fn weights_of(&self, matrix: usize, cluster: usize) -> impl Iterator<Item = f32> {
-        let count = self.layout.components as usize;
-        let scales = &self.layout.weight_scales[cluster * count..][..count];
-        let bytes = &self.weights[matrix * count..][..count];
-        bytes.iter().zip(scales).map(|(byte, scale)| f32::from(*byte as i8) * scale)
+        self.packed().weights_of(matrix, cluster)
+    }
+
+    fn packed(&self) -> Clustered<'_> {
+        let GlossLayout { components, vector_scales, weight_scales, .. } = &self.layout;
+        Clustered {
+            components: *components,
+            vector_scales,
+            weight_scales,
+            weights: &self.weights,
+            vectors: &self.vectors,
+        }
     }
 }
 
@@ -134,37 +138,17 @@ pub(crate) fn check(gloss: &Gloss, [points, senders, groups]: [usize; 3]) -> Res
         return Ok(());
     }
     let layout = &gloss.layout;
-    let components = layout.components as usize;
-    if !matches!(layout.channels, 0 | 1 | 3) || components > MAX_COMPONENTS {
-        return Err(RbnError::invalid("GLSY", "channels or components"));
+    if !matches!(layout.channels, 0 | 1 | 3) || !layout.roughness.iter().all(|x| sane(*x)) {
+        return Err(RbnError::invalid("GLSY", "channels or roughness"));
     }
-    let clusters = layout.clusters();
-    let fits = layout.vector_scales.len() == clusters * (1 + components)
-        && layout.weight_scales.len() == clusters * components
-        && clusters < usize::from(NO_MATRIX);
-    if !fits
-        || !layout
-            .vector_scales
-            .iter()
-            .chain(&layout.weight_scales)
-            .chain(&layout.roughness)
-            .all(|x| sane(*x))
-    {
-        return Err(RbnError::invalid("GLSY", "scales"));
-    }
-    if gloss.vectors.len() != layout.vector_scales.len() * layout.dimensions() {
-        return Err(RbnError::invalid("GLBS", "it does not fit the clusters"));
-    }
+    let sections = ["GLSY", "GLCL", "GLWT", "GLBS"];
+    gloss.packed().check(layout.dimensions(), &gloss.clusters, sections)?;
     let ascending = gloss.points.windows(2).all(|pair| pair[0] < pair[1]);
     if !ascending || gloss.points.last().is_none_or(|last| *last as usize >= points) {
         return Err(RbnError::invalid("GLPT", "a point is out of order or out of range"));
     }
-    let known = |cluster: &u8| *cluster == NO_MATRIX || usize::from(*cluster) < clusters;
-    if gloss.clusters.len() != gloss.points.len() || !gloss.clusters.iter().all(known) {
+    if gloss.clusters.len() != gloss.points.len() {
         return Err(RbnError::invalid("GLCL", "it does not fit the points"));
-    }
-    if gloss.weights.len() != gloss.matrices() * components {
-        return Err(RbnError::invalid("GLWT", "it does not fit the matrices"));
     }
     gloss_links::check(&gloss.links, &layout.emission, gloss.points.len(), [points, senders, groups])
 }

@@ -6,6 +6,7 @@
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
 //! * `gloss` – glossy transfer; `gloss_links` – its links from the scene's surfaces;
+//! * `diffuse_transfer` – from the environment to the points, in place of links; `clustered` – how either is compressed;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
@@ -15,8 +16,12 @@
 //! A whole file in memory is a [`BakedScene`](crate::baked::BakedScene).
 
 pub mod bulk;
+#[cfg(feature = "radiosity")]
+pub mod clustered;
 pub mod codec;
 pub mod container;
+#[cfg(feature = "radiosity")]
+pub mod diffuse_transfer;
 pub mod extras;
 #[cfg(feature = "radiosity")]
 pub mod gloss;
@@ -64,6 +69,8 @@ pub const RECONSTRUCTION_SECTIONS: [[u8; 4]; 4] = [*b"RGRP", *b"MGRP", *b"PGRP",
 pub const GLOSS_SECTIONS: [[u8; 4]; 5] = [*b"GLSY", *b"GLPT", *b"GLCL", *b"GLWT", *b"GLBS"];
 /// Names of the optional sections of glossy links and of the offsets of their rows, after those of glossy transfer.
 pub const GLOSS_LINK_SECTIONS: [[u8; 4]; 2] = [*b"GLLK", *b"GLLO"];
+/// Names of the optional sections of diffuse transfer, after those of glossy links.
+pub const DIFFUSE_SECTIONS: [[u8; 4]; 4] = [*b"DTLY", *b"DTCL", *b"DTWT", *b"DTBS"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -8,20 +8,22 @@ mod lamp;
 mod object;
 mod room;
 
+use super::Purpose;
 use crate::geometry::Surfaces;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::scene::Scene;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::rbn::shown::Shown;
 
 /// Vertical field of view of added cameras, degrees.
 const YFOV_DEG: f64 = 60.0;
 /// Aspect ratio (width / height) used to choose a view.
 const ASPECT: f32 = 16.0 / 9.0;
-/// Names of the added lamp and camera.
+/// Names of the added lamp, environment and camera.
 const LAMP: &str = "Lamp";
+const SKY: &str = "Environment";
 const VIEW: &str = "First view";
 
 /// Lights and cameras, world space, both non-empty; names, and the ground.
@@ -33,8 +35,14 @@ pub(super) struct Staged {
 }
 
 impl Staged {
-    /// Returns the scene's own lights and cameras, or added ones.
-    pub fn new<S: Surfaces + ?Sized>(scene: &Scene, emitter: &ParticleEmitter, surfaces: &S) -> Self {
+    /// Returns the scene's own lights and cameras, or added ones; for an environment with an even white one, where the scene has
+    /// none.
+    pub fn new<S: Surfaces + ?Sized>(
+        scene: &Scene,
+        emitter: &ParticleEmitter,
+        surfaces: &S,
+        purpose: Purpose,
+    ) -> Self {
         let ((mut lights, mut light_names), mut cameras) = (scene.all_lights(), scene.cameras.clone());
         let named = |names: &[String], count| {
             (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()
@@ -49,6 +57,12 @@ impl Staged {
                 |view| camera(scene.origin, view.eye, view.eye + view.towards * view.far),
             ));
             camera_names.push(VIEW.to_owned());
+        }
+        let is_sky = |light: &Light| light.kind() == LightKind::Environment;
+        if purpose == Purpose::Environment && !lights.iter().any(is_sky) {
+            light_names.resize(lights.len(), String::new());
+            lights.push(Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color: [1.0; 3] });
+            light_names.push(SKY.to_owned());
         }
         if lights.is_empty() {
             let frame = cameras[0].frame(scene.origin);

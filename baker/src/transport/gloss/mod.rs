@@ -11,8 +11,7 @@
 //! * `links` – links to a point; `merge` – fewer links in a row;
 //! * `sky_irradiance` – what the scene's surfaces get from each function of the environment, through the operator;
 //! * `matrix` – a point's matrix, by rays;
-//! * `adaptive` – which points get a matrix of their own;
-//! * `principal_components` – compression.
+//! * `adaptive` – which points get a matrix of their own.
 //!
 //! **Below the horizon** of a point nothing arrives, and harmonics of an edge ring. So the hemisphere is mirrored at the
 //! point's tangent plane: radiance is the same on both sides of it. Reflected rays are above, and lobes near the horizon see
@@ -23,7 +22,6 @@ mod glossy_points;
 mod links;
 mod matrix;
 mod merge;
-mod principal_components;
 mod rays;
 mod sky_irradiance;
 
@@ -31,12 +29,15 @@ pub use super::gloss_settings::{GlossReport, GlossSettings, Transfer};
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;
+use crate::transport::environment::principal_components::{Clustered, compressed};
+use adaptive::Matrices;
 use glossy_points::GlossyPoints;
 use links::LinkGather;
 use matrix::MatrixGather;
 use rays::PointRays;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn::gloss::{Gloss, NO_MATRIX};
+use rebounce_shared::harmonics::COUNT;
+use rebounce_shared::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
 use sky_irradiance::SkyIrradiance;
 
 /// Computes the glossy transfer of a file; empty without glossy surfaces, and of matrices where no light comes from the sky.
@@ -67,7 +68,7 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
         let gather = MatrixGather::new(&rays, irradiance, settings);
         let found = adaptive::matrices(&gather, file, &glossy, settings, watch)?;
         (report.matrices, report.rays) = (found.matrices.len() as u64, found.rays);
-        let (gloss, error) = principal_components::compressed(&glossy.points, &found, settings);
+        let (gloss, error) = packed(&glossy.points, &found, settings);
         report.compression_error = error;
         gloss
     } else {
@@ -86,4 +87,29 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
         gloss.layout.emission = gather.emission();
     }
     Ok((gloss, report))
+}
+
+/// Compresses matrices of some of the `points`; returns the error beside: the root mean square of what is lost relative to
+/// that of the matrices.
+fn packed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss, f64) {
+    let all: Vec<&[f32]> = found.matrices.iter().map(|matrix| &**matrix).collect();
+    let Some(first) = all.first() else { return Default::default() };
+    let Clustered { clusters, vector_scales, weight_scales, weights, vectors, error } =
+        compressed(&all, settings.components);
+    let mut by_point = vec![NO_MATRIX; points.len()];
+    for (point, cluster) in found.points.iter().zip(clusters) {
+        if let Ok(place) = points.binary_search(point) {
+            by_point[place] = cluster;
+        }
+    }
+    let layout = GlossLayout {
+        has_direct: settings.has_direct,
+        channels: (first.len() / (COUNT * COUNT)) as u32,
+        components: settings.components,
+        vector_scales,
+        weight_scales,
+        ..GlossLayout::default()
+    };
+    let points = points.to_vec();
+    (Gloss { layout, points, clusters: by_point, weights, vectors, ..Gloss::default() }, error)
 }

@@ -25,6 +25,7 @@ use gloss::Reflections;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
+use rebounce_shared::diffuse_transfer::{DistantLight, Received, TransferField};
 use rebounce_shared::environment::{Environment, PackedEnvironment};
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::Lighting;
@@ -61,6 +62,8 @@ pub struct Relit {
     irradiance: Vec<PointLight>,
     /// What the [senders send](relight::sent_after_bounces); empty where light is not the operator's.
     sent: Vec<Vec3>,
+    /// Whether the light of the points is radiosity's.
+    by_radiosity: bool,
     /// The same light at the texels of the file's lightmap; empty without one.
     lightmap: MixedLightmap,
     /// Group of emissive surfaces of each material.
@@ -118,7 +121,8 @@ impl Relit {
         detail: bool,
         motions: &Motions,
     ) -> Self {
-        let by_radiosity = !scene.is_solved() && (scene.is_unlinked() || !motions.is_empty());
+        let is_fixed = scene.is_solved() || scene.is_for_environment();
+        let by_radiosity = !is_fixed && (scene.is_unlinked() || !motions.is_empty());
         let accelerator = if by_radiosity { Accelerator::new(scene) } else { Accelerator::default() };
         let clipped;
         let scene = match by_radiosity && !motions.is_empty() {
@@ -132,6 +136,7 @@ impl Relit {
         let (mut irradiance, sent) = match (by_radiosity, scene.is_solved()) {
             (true, _) => (gathered(scene, surfaces, &lighting, (&accelerator, motions)), Vec::new()),
             (_, true) => (mixed(scene, &lighting), Vec::new()),
+            _ if scene.is_for_environment() => (transferred(scene, &lighting), Vec::new()),
             (_, false) => relit(scene, surfaces, &lighting),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
@@ -146,13 +151,24 @@ impl Relit {
             false => MixedLightmap::default(),
         };
         let group_of = scene.sources.group_of_materials();
-        Self { lighting, irradiance, sent, lightmap, group_of, basis, reach, motions, reflections: None }
+        Self {
+            lighting,
+            irradiance,
+            sent,
+            by_radiosity,
+            lightmap,
+            group_of,
+            basis,
+            reach,
+            motions,
+            reflections: None,
+        }
     }
 
     /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. What is lit by
     /// radiosity reflects nothing. `scene` is that of [`Self::new`].
     pub fn with_gloss(self, scene: &BakedScene) -> Self {
-        let reflections = match self.sent.is_empty() {
+        let reflections = match self.by_radiosity {
             true => None,
             false => Reflections::new(scene, &self.lighting, &self.sent),
         };
@@ -327,6 +343,13 @@ fn mixed(scene: &BakedScene, lighting: &Lighting) -> Vec<PointLight> {
     let GroupIrradiance { bounced, direct } = relight::from_groups(scene, &lighting.groups);
     let pairs = bounced.into_iter().zip(direct);
     pairs.map(|(bounced, from_sources)| PointLight { bounced, from_sources }).collect()
+}
+
+/// Returns the light of the points of a file for an environment.
+fn transferred(scene: &BakedScene, lighting: &Lighting) -> Vec<PointLight> {
+    let received = TransferField::new(scene).irradiance(&DistantLight::new(lighting));
+    let light = |Received { direct, bounced }| PointLight { bounced, from_sources: direct };
+    received.into_iter().map(light).collect()
 }
 
 /// Returns the environment of a file; `None` without one.

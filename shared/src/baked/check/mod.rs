@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{gloss, groups, light_groups, lightmap, specular};
+use crate::rbn::{diffuse_transfer, gloss, groups, light_groups, lightmap, specular};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -99,6 +99,8 @@ impl BakedScene {
         self.check_light_groups()?;
         #[cfg(feature = "radiosity")]
         gloss::check(&self.gloss, [self.points.len(), senders, self.sources.groups.len()])?;
+        #[cfg(feature = "radiosity")]
+        self.check_transfer()?;
         Ok(())
     }
 
@@ -125,6 +127,15 @@ impl BakedScene {
             }
         }
         Ok(())
+    }
+
+    /// Checks that diffuse transfer fits points and groups, and that a file with it has neither links nor a fixed solution.
+    #[cfg(feature = "radiosity")]
+    fn check_transfer(&self) -> Result<(), RbnError> {
+        let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();
+        let other = links + self.light_groups.groups.len() + self.gloss.links.links.len();
+        let counts = [self.points.len(), self.sources.groups.len(), other];
+        diffuse_transfer::check(&self.diffuse_transfer, counts)
     }
 
     /// Checks that light groups fit lights and points, and that a file with groups has neither links nor animations that

@@ -1,17 +1,15 @@
-//! Clustered principal component analysis (Sloan, Hall, Hart and Snyder 2003): matrices as the mean of a cluster plus
-//! weighted components, all in signed bytes.
+//! Clustered principal component analysis (Sloan, Hall, Hart and Snyder 2003): vectors as the mean of a cluster plus weighted
+//! components, all in signed bytes.
 //!
-//! Clusters are those of k-means over the matrix vectors, seeded evenly along the points' order, which is a space-filling
+//! Clusters are those of k-means over the vectors, seeded evenly along the points' order, which is a space-filling
 //! curve a level. Components are the leading eigenvectors of a cluster's covariance, by subspace iteration.
 
-use super::GlossSettings;
-use super::adaptive::Matrices;
-use super::matrix::MatrixVector;
 use rayon::prelude::*;
-use rebounce_shared::harmonics::COUNT;
-use rebounce_shared::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
 
-/// Matrices of a cluster, about.
+/// A vector, of any meaning.
+pub(in crate::transport) type Vector = Box<[f32]>;
+
+/// Vectors of a cluster, about.
 const PER_CLUSTER: usize = 256;
 /// Largest number of clusters.
 const MOST_CLUSTERS: usize = 64;
@@ -38,8 +36,8 @@ fn distance_squared(a: &[f32], b: &[f32]) -> f32 {
     dot(a, a) - 2.0 * dot(a, b) + dot(b, b)
 }
 
-fn mean_of<'v>(mut vectors: impl Iterator<Item = &'v [f32]>) -> Option<MatrixVector> {
-    let mut sum = MatrixVector::from(vectors.next()?);
+fn mean_of<'v>(mut vectors: impl Iterator<Item = &'v [f32]>) -> Option<Vector> {
+    let mut sum = Vector::from(vectors.next()?);
     let mut count = 1.0f32;
     for vector in vectors {
         sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += x);
@@ -51,8 +49,8 @@ fn mean_of<'v>(mut vectors: impl Iterator<Item = &'v [f32]>) -> Option<MatrixVec
 
 /// Returns the cluster of each vector.
 fn clusters(vectors: &[&[f32]], count: usize) -> Vec<usize> {
-    let seed = |k: usize| MatrixVector::from(vectors[(2 * k + 1) * vectors.len() / (2 * count)]);
-    let mut means: Vec<MatrixVector> = (0..count).map(seed).collect();
+    let seed = |k: usize| Vector::from(vectors[(2 * k + 1) * vectors.len() / (2 * count)]);
+    let mut means: Vec<Vector> = (0..count).map(seed).collect();
     let mut out = vec![0; vectors.len()];
     for _ in 0..ROUNDS {
         let nearest = |vector: &&[f32]| {
@@ -74,7 +72,7 @@ fn clusters(vectors: &[&[f32]], count: usize) -> Vec<usize> {
 }
 
 /// Makes vectors orthonormal (Gram and Schmidt, twice); what is left of dependent ones becomes zero.
-fn orthonormalise(vectors: &mut [MatrixVector]) {
+fn orthonormalise(vectors: &mut [Vector]) {
     for i in 0..vectors.len() {
         let (before, rest) = vectors.split_at_mut(i);
         let own = &mut rest[0];
@@ -91,13 +89,13 @@ fn orthonormalise(vectors: &mut [MatrixVector]) {
 }
 
 /// The leading components of vectors without their mean.
-fn components(centred: &[MatrixVector], count: usize, dimensions: usize) -> Vec<MatrixVector> {
-    let zero = || MatrixVector::from(vec![0.0; dimensions]);
+fn components(centred: &[Vector], count: usize, dimensions: usize) -> Vec<Vector> {
+    let zero = || Vector::from(vec![0.0; dimensions]);
     let start = |k: usize| match centred.len() {
         0 => zero(),
         len => centred[(2 * k + 1) * len / (2 * count)].clone(),
     };
-    let mut basis: Vec<MatrixVector> = (0..count).map(start).collect();
+    let mut basis: Vec<Vector> = (0..count).map(start).collect();
     orthonormalise(&mut basis);
     for _ in 0..ITERATIONS {
         let mut next = vec![zero(); count];
@@ -120,7 +118,7 @@ fn to_bytes(numbers: &[f32]) -> (Vec<u8>, f32) {
     (numbers.iter().map(|x| (x / scale).round() as i8 as u8).collect(), scale)
 }
 
-fn from_bytes(bytes: &[u8], scale: f32) -> MatrixVector {
+fn from_bytes(bytes: &[u8], scale: f32) -> Vector {
     bytes.iter().map(|byte| f32::from(*byte as i8) * scale).collect()
 }
 
@@ -140,11 +138,11 @@ fn compress(members: &[&[f32]], count: usize, dimensions: usize) -> Compressed {
     let (bytes, scale) = to_bytes(&mean[..]);
     let mean = from_bytes(&bytes, scale);
     let centre = |member: &&[f32]| {
-        let mut own = MatrixVector::from(*member);
+        let mut own = Vector::from(*member);
         own.iter_mut().zip(mean.iter()).for_each(|(x, mean)| *x -= mean);
         own
     };
-    let centred: Vec<MatrixVector> = members.iter().map(centre).collect();
+    let centred: Vec<Vector> = members.iter().map(centre).collect();
     let (mut vectors, mut vector_scales) = (bytes, vec![scale]);
     let mut stored = Vec::new();
     for component in components(&centred, count, dimensions) {
@@ -172,41 +170,48 @@ fn compress(members: &[&[f32]], count: usize, dimensions: usize) -> Compressed {
     Compressed { vectors, vector_scales, weight_scales, weights, lost }
 }
 
-/// Compresses matrices of some of the `points`; returns the error beside: the root mean square of what is lost relative to
-/// that of the matrices.
-pub(super) fn compressed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss, f64) {
-    let components = settings.components;
-    let all: Vec<&[f32]> = found.matrices.iter().map(|matrix| &**matrix).collect();
-    let Some(dimensions) = all.first().map(|first| first.len()) else { return Default::default() };
+/// Compressed vectors.
+#[derive(Default)]
+pub(in crate::transport) struct Clustered {
+    /// By vector.
+    pub clusters: Vec<u8>,
+    /// By cluster, the scale of its mean and of each component.
+    pub vector_scales: Vec<f32>,
+    /// By cluster, the scale of the weights of each component.
+    pub weight_scales: Vec<f32>,
+    /// By vector, a byte a component.
+    pub weights: Vec<u8>,
+    /// By cluster the mean and the components.
+    pub vectors: Vec<u8>,
+    /// Root mean square of what is lost relative to that of the vectors.
+    pub error: f64,
+}
+
+/// Compresses vectors of equal length, in the order of their points; empty without any.
+pub(in crate::transport) fn compressed(all: &[&[f32]], components: u32) -> Clustered {
+    let Some(dimensions) = all.first().map(|first| first.len()) else { return Clustered::default() };
     let count = all.len().div_ceil(PER_CLUSTER).min(MOST_CLUSTERS);
-    let cluster_of = clusters(&all, count);
+    let cluster_of = clusters(all, count);
     let members = |k: usize| -> Vec<&[f32]> {
         all.iter().zip(&cluster_of).filter(|(_, cluster)| **cluster == k).map(|(vector, _)| *vector).collect()
     };
     let packed: Vec<Compressed> =
         (0..count).into_par_iter().map(|k| compress(&members(k), components as usize, dimensions)).collect();
-    let power: f64 = all.iter().map(|own| f64::from(dot(&own[..], &own[..]))).sum();
+    let power: f64 = all.iter().map(|own| f64::from(dot(own, own))).sum();
     let lost: f64 = packed.iter().map(|cluster| cluster.lost).sum();
     let mut next = vec![0; count];
     let mut weights = Vec::new();
-    let mut by_point = vec![NO_MATRIX; points.len()];
-    for (point, cluster) in found.points.iter().zip(&cluster_of) {
+    for cluster in &cluster_of {
         weights.extend(&packed[*cluster].weights[next[*cluster]]);
         next[*cluster] += 1;
-        if let Ok(place) = points.binary_search(point) {
-            by_point[place] = *cluster as u8;
-        }
     }
-    let layout = GlossLayout {
-        has_direct: settings.has_direct,
-        channels: (dimensions / (COUNT * COUNT)) as u32,
-        components,
+    Clustered {
+        // There are fewer clusters than a byte can tell apart.
+        clusters: cluster_of.iter().map(|cluster| *cluster as u8).collect(),
         vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
         weight_scales: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
-        ..GlossLayout::default()
-    };
-    let vectors = packed.into_iter().flat_map(|cluster| cluster.vectors).collect();
-    let points = points.to_vec();
-    let gloss = Gloss { layout, points, clusters: by_point, weights, vectors, ..Gloss::default() };
-    (gloss, (lost / power.max(1e-30)).sqrt())
+        weights,
+        vectors: packed.into_iter().flat_map(|cluster| cluster.vectors).collect(),
+        error: (lost / power.max(1e-30)).sqrt(),
+    }
 }
