@@ -22,21 +22,21 @@ use rebounce_shared::rbn::{GLOSS_SECTIONS, container};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-const SKY: Light = Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color: [1.0; 3] };
+pub const SKY: Light = Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color: [1.0; 3] };
 /// Value of the first of the harmonics.
 const FIRST: f32 = 0.282_094_8;
 
-fn metal(albedo: [f32; 3], roughness: f32) -> Material {
+pub fn metal(albedo: [f32; 3], roughness: f32) -> Material {
     let [r, g, b] = albedo;
     Material { base_color: [r, g, b, 1.0], metallic: 1.0, roughness, specular: 0.5, ..Material::default() }
 }
 
-fn matt([r, g, b]: [f32; 3]) -> Material {
+pub fn matt([r, g, b]: [f32; 3]) -> Material {
     Material { base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
 /// A scene under the sky, seen from a place that looks at the origin; its local space is world space.
-fn empty(materials: Vec<Material>, eye: Vec3) -> Scene {
+pub fn empty(materials: Vec<Material>, eye: Vec3) -> Scene {
     let camera =
         Camera { position: eye.as_dvec3().to_array(), target: [0.0; 3], up: [0.0, 1.0, 0.0], yfov_deg: 40.0 };
     Scene { name: "metal".into(), materials, lights: vec![SKY], cameras: vec![camera], ..Scene::default() }
@@ -54,7 +54,7 @@ fn add_quad(scene: &mut Scene, middle: Vec3, [u, v]: [Vec3; 2], material: u32) {
 }
 
 /// Adds a smooth-shaded ball.
-fn add_ball(scene: &mut Scene, middle: Vec3, radius: f32, material: u32) {
+pub fn add_ball(scene: &mut Scene, middle: Vec3, radius: f32, material: u32) {
     const AROUND: u32 = 96;
     const ALONG: u32 = 48;
     let first = scene.positions.len() as u32;
@@ -95,7 +95,7 @@ fn baked(scene: &Scene, functions: usize) -> BakedScene {
     bake(scene, &settings(functions), &()).unwrap().0
 }
 
-fn lighting(file: &BakedScene, lights: &[Light], environment: Option<&Arc<Environment>>) -> Lighting {
+pub fn lighting(file: &BakedScene, lights: &[Light], environment: Option<&Arc<Environment>>) -> Lighting {
     Lighting::new(lights, environment, file.meta.origin, file.sources.groups.len())
 }
 
@@ -108,7 +108,7 @@ fn picture(scene: &Scene, file: &BakedScene, lighting: Lighting, samples: u32) -
 }
 
 /// A metal ball over a red floor, beside a wall.
-fn still_life(turn: Mat3) -> Scene {
+pub fn still_life(turn: Mat3) -> Scene {
     let eye = turn * Vec3::new(0.5, 2.0, 4.5);
     let materials = vec![metal([0.9, 0.8, 0.6], 0.3), matt([0.7, 0.15, 0.1]), matt([0.6; 3])];
     let mut scene = empty(materials, eye);
@@ -120,7 +120,7 @@ fn still_life(turn: Mat3) -> Scene {
 }
 
 /// A sky of every colour, brighter on one side.
-fn colours() -> Arc<Environment> {
+pub fn colours() -> Arc<Environment> {
     let (width, height) = (64, 32);
     let at = |i: u32| {
         let direction = rebounce_shared::environment::direction_at(

@@ -13,6 +13,7 @@ mod common {
 mod closed_forms;
 mod communicator;
 mod copies;
+mod diffuse_transfer;
 mod door;
 mod exact_enclosures;
 mod examples;

@@ -13,6 +13,7 @@ mod blended;
 mod compare;
 mod copies;
 mod cracks;
+mod diffuse_transfer;
 mod direct;
 mod display;
 mod environment;

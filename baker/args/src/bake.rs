@@ -1,7 +1,9 @@
 //! The arguments of `rebounce bake`.
 
 use crate::error::ArgsError;
-use crate::layout::{ADVANCED, LayoutArgs, PresetName, PurposeName, RefinementName, SolverName, TransferName};
+use crate::layout::{
+    ADVANCED, LayoutArgs, PresetName, PurposeName, RefinementName, SolverName, TransferName,
+};
 use crate::load::LoadArgs;
 use crate::number;
 use crate::paths::{Places, check_paths};

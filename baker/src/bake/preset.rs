@@ -146,12 +146,13 @@ impl BakeSettings {
         }
     }
 
-    /// For an object under any environment: half of the functions, no links to glossy points.
+    /// For an object under any environment: half of the functions, matrices of at most 12,000 glossy points a level.
     pub fn for_environment(mut self) -> Self {
         self.purpose = Purpose::Environment;
         self.place.functions /= 2;
         if let Some(gloss) = &mut self.gloss {
             gloss.transfer = Transfer::Matrices;
+            gloss.most = 12_000;
         }
         self
     }

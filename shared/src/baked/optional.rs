@@ -7,8 +7,8 @@ use crate::rbn::gloss::{self, Gloss};
 use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::{
-    DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS, LIGHTMAP_SECTIONS, LinkMatrix, RbnError,
-    SPECULAR_SECTION, groups, specular,
+    DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS, LIGHTMAP_SECTIONS, LinkMatrix,
+    RbnError, SPECULAR_SECTION, groups, specular,
 };
 
 /// A section's name and bytes.

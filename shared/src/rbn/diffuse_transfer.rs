@@ -103,10 +103,7 @@ pub fn decode(bytes: &[u8]) -> Result<TransferLayout, RbnError> {
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn check(
-    transfer: &DiffuseTransfer,
-    [points, groups, links]: [usize; 3],
-) -> Result<(), RbnError> {
+pub(crate) fn check(transfer: &DiffuseTransfer, [points, groups, links]: [usize; 3]) -> Result<(), RbnError> {
     if *transfer == DiffuseTransfer::default() {
         return Ok(());
     }

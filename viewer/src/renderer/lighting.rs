@@ -6,6 +6,8 @@ use crate::gpu::MAX_LAYERS;
 use crate::passes::shadow::fit::most_layers;
 use crate::scene::GpuScene;
 use crate::scene::sky::Sky;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::diffuse_transfer::DistantLight;
 use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::{Light, LightKind, LightSource};
@@ -182,6 +184,13 @@ impl Renderer {
         }
         if !scene.relight.has_sources() {
             return false;
+        }
+        #[cfg(feature = "radiosity")]
+        if scene.relight.is_for_environment() {
+            let light = DistantLight::new(lighting);
+            let shines = !light.is_dark();
+            scene.relight.set_distant(&self.gpu, light);
+            return shines;
         }
         let strengths = match scene.relight.is_solved() {
             true => lighting.groups.clone(),

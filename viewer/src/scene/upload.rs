@@ -139,8 +139,10 @@ impl Upload {
             ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // The light of a fixed solution's sources is among its columns.
-            source_links: (!scene.source_links.is_empty() && !scene.is_solved())
-                .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
+            source_links: (!scene.source_links.is_empty()
+                && !scene.is_solved()
+                && !scene.is_for_environment())
+            .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
             // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),

@@ -61,7 +61,12 @@ impl Staged {
         let is_sky = |light: &Light| light.kind() == LightKind::Environment;
         if purpose == Purpose::Environment && !lights.iter().any(is_sky) {
             light_names.resize(lights.len(), String::new());
-            lights.push(Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color: [1.0; 3] });
+            lights.push(Light::Environment {
+                file: None,
+                rotation_deg: 0.0,
+                intensity: 1.0,
+                color: [1.0; 3],
+            });
             light_names.push(SKY.to_owned());
         }
         if lights.is_empty() {

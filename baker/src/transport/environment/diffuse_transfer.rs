@@ -27,7 +27,7 @@ pub struct TransferSettings {
 
 impl Default for TransferSettings {
     fn default() -> Self {
-        Self { epsilon: 0.02, components: 16 }
+        Self { epsilon: 0.08, components: 24 }
     }
 }
 

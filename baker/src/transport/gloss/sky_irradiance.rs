@@ -19,8 +19,7 @@ impl SkyIrradiance {
     /// Relights a file by each function.
     pub fn new(file: &BakedScene) -> Self {
         let functions = by_sky_functions(file);
-        let of_point =
-            |i: usize| std::array::from_fn(|k| functions[k].direct[i] + functions[k].bounced[i]);
+        let of_point = |i: usize| std::array::from_fn(|k| functions[k].direct[i] + functions[k].bounced[i]);
         Self {
             basis: Leveled::of_baked(file),
             irradiance: (0..file.points.len()).into_par_iter().map(of_point).collect(),

@@ -3,10 +3,13 @@
 //! * here: pipelines, buffers, and the passes;
 //! * `plan` – the dispatches in order;
 //! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points;
-//! * `from_groups` – all light of a fixed solution, in place of links.
+//! * `from_groups` – all light of a fixed solution, in place of links;
+//! * `from_transfer` – all light of a file for an environment, likewise.
 
 mod from_groups;
 mod from_sources;
+#[cfg(feature = "radiosity")]
+mod from_transfer;
 mod plan;
 
 use super::upload::{LinkBuffers, Upload};
@@ -16,8 +19,12 @@ use crate::gpu::{Gpu, MAX_LAYERS};
 use crate::shaders;
 use from_groups::FromGroups;
 use from_sources::{FromSources, FromSourcesPipelines, Groups};
+#[cfg(feature = "radiosity")]
+use from_transfer::FromTransfer;
 use plan::{Dispatch, Kernel, LEVEL_THREADS, STRIDE, Step, plan};
 use rebounce_shared::baked::BakedScene;
+#[cfg(feature = "radiosity")]
+use rebounce_shared::diffuse_transfer::DistantLight;
 use rebounce_shared::glam::Vec3;
 #[cfg(feature = "radiosity")]
 use std::cell::Cell;
@@ -138,6 +145,26 @@ fn shared(
     ]
 }
 
+/// Light that is computed on the CPU and written to the points, in place of links.
+enum Written {
+    /// Of a fixed solution.
+    Groups(FromGroups),
+    /// Of a file for an environment.
+    #[cfg(feature = "radiosity")]
+    Transfer(FromTransfer),
+}
+
+impl Written {
+    /// Of a scene without links; `None` with links, or by radiosity.
+    fn of(scene: &BakedScene) -> Option<Self> {
+        #[cfg(feature = "radiosity")]
+        if scene.is_for_environment() {
+            return Some(Self::Transfer(FromTransfer::new(scene)));
+        }
+        scene.is_solved().then(|| Self::Groups(FromGroups::new(scene)))
+    }
+}
+
 /// Buffers, bind groups and dispatches of a scene.
 pub struct Relight {
     /// Direct irradiance at the direct points, at senders also irradiance of later bounces: RGB and an unused
@@ -162,8 +189,8 @@ pub struct Relight {
     level: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
     sources: Option<FromSources>,
-    /// Of a fixed solution, with the sum of its light and direct light.
-    groups: Option<(FromGroups, wgpu::ComputePipeline, wgpu::BindGroup)>,
+    /// Of a scene without links, with the sum of its light and direct light.
+    written: Option<(Written, wgpu::ComputePipeline, wgpu::BindGroup)>,
     plan: Vec<Dispatch>,
     /// Whether bounced light comes from radiosity, which adds the light of sources by itself.
     #[cfg(feature = "radiosity")]
@@ -221,13 +248,13 @@ impl Relight {
                 join: [&irradiance, &display].map(|to| make("join", &made.join.0, &[light, to])),
             })
         });
-        let groups = scene.is_solved().then(|| {
+        let written = Written::of(scene).map(|written| {
             let (layout, pipeline) = kernel(gpu, "join", shaders::JOIN, 1, 1);
-            (FromGroups::new(scene), pipeline, make("join", &layout, &[&display, &irradiance]))
+            (written, pipeline, make("join", &layout, &[&display, &irradiance]))
         });
         Self {
             sources,
-            groups,
+            written,
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             #[cfg(feature = "radiosity")]
             by_radiosity: scene.is_unlinked().into(),
@@ -285,12 +312,12 @@ impl Relight {
 
     /// Whether the scene is a fixed solution.
     pub fn is_solved(&self) -> bool {
-        self.groups.is_some()
+        matches!(self.written, Some((Written::Groups(_), ..)))
     }
 
     /// Whether the points hold direct light for display: that of sources.
     pub fn has_sources(&self) -> bool {
-        self.sources.is_some() || self.is_solved()
+        self.sources.is_some() || self.written.is_some()
     }
 
     /// Sets the strengths of the sources
@@ -300,15 +327,18 @@ impl Relight {
         if let Some(sources) = &self.sources {
             sources.set_strengths(gpu, strengths);
         }
-        if let Some((groups, ..)) = &self.groups {
+        if let Some((Written::Groups(groups), ..)) = &self.written {
             groups.set_strengths(gpu, &self.display, strengths);
         }
     }
 
     /// Sets what of the light is displayed, from the next strengths on; no effect without sources.
     pub fn set_parts(&self, gpu: &Gpu, parts: Parts) {
-        if let Some((groups, ..)) = &self.groups {
-            groups.set_parts(parts);
+        match &self.written {
+            Some((Written::Groups(groups), ..)) => groups.set_parts(parts),
+            #[cfg(feature = "radiosity")]
+            Some((Written::Transfer(transfer), ..)) => transfer.set_parts(parts),
+            None => {}
         }
         for (i, dispatch) in self.plan.iter().enumerate().filter(|(_, d)| d.kernel == Kernel::Show) {
             let step = dispatch.step.with_parts(parts);
@@ -319,6 +349,10 @@ impl Relight {
     /// Sets all light at the points to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.display, 0, None);
+        #[cfg(feature = "radiosity")]
+        if let Some((Written::Transfer(transfer), ..)) = &self.written {
+            transfer.forget();
+        }
         #[cfg(feature = "radiosity")]
         encoder.clear_buffer(&self.irradiance, 0, None);
         #[cfg(feature = "radiosity")]
@@ -355,7 +389,7 @@ impl Relight {
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
                 Kernel::Level => (&pipelines.level.1, &self.level),
                 kernel => {
-                    match (&self.groups, self.sources.as_ref().and_then(|own| own.pass(kernel, is_stale))) {
+                    match (&self.written, self.sources.as_ref().and_then(|own| own.pass(kernel, is_stale))) {
                         (Some((_, pipeline, join)), _) => (pipeline, join),
                         (None, Some(pass)) => pass,
                         (None, None) => continue,
@@ -376,6 +410,18 @@ impl Relight {
 
 #[cfg(feature = "radiosity")]
 impl Relight {
+    /// Whether the scene is for an environment.
+    pub fn is_for_environment(&self) -> bool {
+        matches!(self.written, Some((Written::Transfer(_), ..)))
+    }
+
+    /// Sets the distant light and emission of a scene for an environment; no effect in others.
+    pub fn set_distant(&self, gpu: &Gpu, light: DistantLight) {
+        if let Some((Written::Transfer(transfer), ..)) = &self.written {
+            transfer.set_light(gpu, &self.display, light);
+        }
+    }
+
     /// Whether the file has links, or the light of a fixed solution.
     pub fn is_linked(&self) -> bool {
         self.is_linked
