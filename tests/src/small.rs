@@ -124,6 +124,14 @@ pub fn shining(functions: usize) -> Result<BakedScene> {
     Ok(bake(&scene, &settings(functions), &())?.0)
 }
 
+/// Bakes [`all_lights`] for an environment.
+///
+/// # Errors
+/// Errors of loading and of the bake.
+pub fn object(functions: usize) -> Result<BakedScene> {
+    Ok(bake(&all_lights()?, &settings(functions).for_environment().normalised(), &())?.0)
+}
+
 /// Solves [`all_lights`] with a few functions.
 ///
 /// # Errors

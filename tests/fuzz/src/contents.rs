@@ -12,6 +12,8 @@ use rebounce_shared::rbn::light_groups::{self, GroupValue, LightGroup};
 use rebounce_shared::rbn::{
     COPY_SECTIONS, GROUP_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, SOURCE_SECTIONS, meta, sources,
 };
+use rebounce_shared::diffuse_transfer::{DistantLight, TransferField};
+use rebounce_shared::harmonics::COUNT;
 use rebounce_shared::relight::{from_groups, from_sources};
 
 /// Size of a link or later link in an input, bytes: a step from the previous index (zero at a row's end), then the
@@ -276,6 +278,13 @@ pub fn keeps_promises(scene: &BakedScene) {
     assert!(scene.source_links.iter().flatten().all(|link| link.sender() < strengths.len()));
     assert!(from_sources(scene, &strengths).len() == scene.source_links.len());
     assert!(scene.solved_lights().is_none_or(|lights| lights.len() == scene.light_groups.groups.len()));
+    if scene.is_for_environment() {
+        let sky = [glam::Vec3::ONE; COUNT];
+        let light = DistantLight { sky, all: sky, emission: vec![glam::Vec3::ONE; scene.sources.groups.len()] };
+        let received = TransferField::new(scene).irradiance(&light);
+        assert_eq!(received.len(), scene.points.len());
+        assert!(received.iter().all(|own| own.direct.min_element() >= 0.0 && own.bounced.min_element() >= 0.0));
+    }
     let groups = vec![glam::Vec3::ONE; scene.light_groups.groups.len()];
     let light = from_groups(scene, &groups);
     assert!(light.bounced.iter().chain(&light.direct).all(|e| e.is_finite() && e.min_element() >= 0.0));

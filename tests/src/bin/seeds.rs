@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Baker, Checkpoint, Identity, Preset};
 use rebounce_shared::rbn::container;
-use rebounce_tests::small::{charted, everything, lit, settings, shining, small, solved};
+use rebounce_tests::small::{charted, everything, lit, object, settings, shining, small, solved};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -22,6 +22,7 @@ fn main() -> Result<()> {
         ("solved", solved(12)?),
         ("charted", charted(12)?),
         ("shining", shining(40)?),
+        ("object", object(40)?),
     ];
     for (short, scene) in seeds {
         let file = scene.to_bytes()?;
@@ -29,10 +30,10 @@ fn main() -> Result<()> {
         write("scene", short, &file)?;
         // The first byte of a seed selects the section.
         for section in container::read(&file)? {
-            const TOLD: [&[u8; 4]; 22] = [
+            const TOLD: [&[u8; 4]; 26] = [
                 b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY", b"SRCS",
                 b"SRCL", b"LGRP", b"LVAL", b"LMAP", b"LMUV", b"LMOF", b"LMTX", b"GLSY", b"GLPT", b"GLCL",
-                b"GLWT", b"GLBS",
+                b"GLWT", b"GLBS", b"DTLY", b"DTCL", b"DTWT", b"DTBS",
             ];
             let told = (0u8..).zip(TOLD).find(|(_, name)| **name == section.name);
             let Some((which, _)) = told else { continue };

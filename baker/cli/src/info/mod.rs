@@ -104,6 +104,7 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         },
     });
     out["by_radiosity"] = scene.is_unlinked().into();
+    out["is_for_environment"] = scene.is_for_environment().into();
     out["groups"] = groups_with_points(scene).map(group_json).collect();
     out["nodes"] = scene.groups.nodes.iter().map(node_json).collect();
     out["node_animations"] = scene.groups.animations.iter().map(animation_json).collect();
@@ -229,6 +230,13 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         line(
             "sources",
             format!("{sky}{} groups of shining surfaces {groups:?}, {links} links", groups.len()),
+        );
+    }
+    if scene.is_for_environment() {
+        let vectors = scene.diffuse_transfer.stored();
+        line(
+            "transfer",
+            format!("from the environment, {vectors} vectors for {} points", scene.points.len()),
         );
     }
     if scene.is_solved() {
