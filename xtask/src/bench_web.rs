@@ -1,7 +1,7 @@
 //! `cargo xtask bench-web`: frame time of the viewer in a browser against three.js, with equal scene, light and
 //! size, alternating on the same machine. The bounced light of each picture is compared with the path-traced
 //! reference, if present. Then: frames under a sky, with the sky turned and with the light moved; costs of lookup and
-//! splatting, and the difference of their pictures; a ball in three.js that no bake knows, by our probes and by three's
+//! splatting, and the difference of their pictures; metals under a sky likewise; a ball in three.js that no bake knows, by our probes and by three's
 //! own ways.
 
 use crate::fidelity::given;
@@ -67,8 +67,9 @@ pub fn run(args: &[String]) -> Result<()> {
     ]))?;
     let work = process::target().join("bench-web");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
-    let [baked, out, ways, ball] =
-        [&format!("{name}.rbn"), "frames.json", "ways.json", "ball.json"].map(|file| work.join(file));
+    let [baked, out, ways, ball, metal] =
+        [&format!("{name}.rbn"), "frames.json", "ways.json", "ball.json", "metal.json"]
+            .map(|file| work.join(file));
     let release = |program: &str| process::target().join("release").join(program);
     process::run(Command::new(release("rebounce")).arg("bake").arg(&scene).arg("-o").arg(&baked))?;
     let reference = if has_reference { reference } else { PathBuf::from("-") };
@@ -82,7 +83,17 @@ pub fn run(args: &[String]) -> Result<()> {
     ]))?;
     process::run(web::node().arg("bench/ways.mjs").args([&baked, &shot, &ways]))?;
     process::run(web::node().arg("bench/rooms.mjs").args([&release("rebounce"), &ball]))?;
-    let tables = [ways_table(&figures(&ways)?)?, ball_table(&figures(&ball)?)?, table(&figures(&out)?)?];
+    let [room, object] =
+        ["room", "environment"].map(|purpose| (purpose, work.join(format!("{purpose}.rbn"))));
+    for (purpose, file) in [&room, &object] {
+        let mut bake = Command::new(release("rebounce"));
+        bake.args(["bake", "builtin:trophy", "--preset", "draft", "--for", purpose, "-o"]);
+        process::run(bake.arg(file))?;
+    }
+    process::run(web::node().arg("bench/metal.mjs").args([&room.1, &object.1, &metal]))?;
+    let metal = metal_table(&figures(&metal)?)?;
+    let tables =
+        [ways_table(&figures(&ways)?)?, metal, ball_table(&figures(&ball)?)?, table(&figures(&out)?)?];
     let tables = tables.join("\n\n");
     println!("{tables}");
     let command = format!("cargo xtask bench-web --shot {name}");
@@ -112,6 +123,20 @@ fn ways_table(results: &Value) -> Result<String> {
     let apart = results["apart"].as_f64().context("no pictures were compared")?;
     let adapter = results["adapter"].as_str().context("no adapter")?;
     lines.push(format!("\n{adapter}; the pictures are {:.3}% apart (relative RMS)", 100.0 * apart));
+    Ok(lines.join("\n"))
+}
+
+/// Table of metals with the environment turned and with a lamp moved.
+fn metal_table(results: &Value) -> Result<String> {
+    let mut lines = vec![
+        "| metals (`builtin:trophy`), 1280 x 720 | sky turned, s | lamp moved, s | ratio |".to_owned(),
+        "|---|---|---|---|".to_owned(),
+    ];
+    for (key, label) in [("room", "bake for rooms"), ("object", "bake for an environment")] {
+        let number = |name: &str| results[key][name].as_f64().with_context(|| format!("no {name} of {key}"));
+        let (sky, lamp) = (number("sky")? / 1e3, number("lamp")? / 1e3);
+        lines.push(format!("| {label} | {sky:.2} | {lamp:.2} | {:.2} |", sky / lamp));
+    }
     Ok(lines.join("\n"))
 }
 
@@ -227,6 +252,14 @@ mod tests {
         let table = ball_table(&serde_json::json!({ "ours": way, "vxgi": way, "probes": way })).unwrap();
         assert!(table.contains("| our probes | 0.062 | 0.003 | 47.2% |"), "{table}");
         assert!(ball_table(&serde_json::json!({ "ours": way })).is_err());
+    }
+
+    #[test]
+    fn metals_have_the_ratio_of_both_frames() {
+        let own = serde_json::json!({ "sky": 1200.0, "lamp": 1000.0 });
+        let table = metal_table(&serde_json::json!({ "room": own, "object": own })).unwrap();
+        assert!(table.ends_with("| bake for an environment | 1.20 | 1.00 | 1.20 |"), "{table}");
+        assert!(metal_table(&serde_json::json!({ "room": own })).is_err());
     }
 
     #[test]

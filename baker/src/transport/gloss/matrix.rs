@@ -5,9 +5,10 @@
 //! ```
 //!
 //! with ω mirrored at the tangent plane as ω', V whether the environment is seen, and ρ and E_j the reflectance and the
-//! irradiance by function j where a ray ends. Where bounced light comes by links there is V alone.
+//! irradiance by function j where a ray ends; of a metal, what its [lobe](super::neighbour) gathers. Where bounced light comes by links there is V alone.
 
 use super::GlossSettings;
+use super::neighbour::Neighbours;
 use super::rays::PointRays;
 use super::sky_irradiance::SkyIrradiance;
 use crate::geometry::Surfaces;
@@ -25,6 +26,8 @@ pub(super) struct MatrixGather<'a, S: ?Sized> {
     rays: &'a PointRays<'a, S>,
     /// `None` for visibility alone.
     irradiance: Option<SkyIrradiance>,
+    /// What rays meet.
+    neighbours: Neighbours<'a, S>,
     /// Whether matrices hold light that did not bounce.
     has_direct: bool,
 }
@@ -36,7 +39,8 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         irradiance: Option<SkyIrradiance>,
         settings: &GlossSettings,
     ) -> Self {
-        Self { rays, irradiance, has_direct: settings.has_direct }
+        let neighbours = Neighbours { surfaces: rays.surfaces(), metals: settings.metals };
+        Self { rays, irradiance, neighbours, has_direct: settings.has_direct }
     }
 
     /// Entries of a vector.
@@ -53,7 +57,9 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         let mut all = [0.0; COUNT];
         let solid_angle = self.rays.solid_angle();
         let mut weights = Vec::new();
+        let (mut number, mut more) = (0, 0);
         let rays = self.rays.cast(point, |direction, y, hit| {
+            number += 1;
             let below = evaluate(direction.reflect(normal));
             let received: [f32; COUNT] = std::array::from_fn(|i| solid_angle * (y[i] + below[i]));
             all.iter_mut().zip(received).for_each(|(sum, r)| *sum += r);
@@ -65,7 +71,8 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
                 return;
             };
             let Some(irradiance) = &self.irradiance else { return };
-            let sent = irradiance.radiance(&hit, &mut weights);
+            let (sent, rays) = self.neighbours.radiance(irradiance, &hit, (direction, number), &mut weights);
+            more += rays;
             for (i, r) in received.iter().enumerate() {
                 for (j, sent) in sent.iter().enumerate() {
                     let light = *sent * *r;
@@ -85,7 +92,7 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         for (i, (v, all)) in visibility.iter_mut().zip(all).enumerate() {
             *v += share * (if i == 0 { (2.0 * TAU).sqrt() } else { 0.0 } - all);
         }
-        (out, rays)
+        (out, rays + more)
     }
 }
 

@@ -11,6 +11,7 @@
 //! * `links` – links to a point; `merge` – fewer links in a row;
 //! * `sky_irradiance` – what the scene's surfaces get from each function of the environment, through the operator;
 //! * `matrix` – a point's matrix, by rays;
+//! * `neighbour` – metals that are seen in metals, by one more gather;
 //! * `adaptive` – which points get a matrix of their own.
 //!
 //! **Below the horizon** of a point nothing arrives, and harmonics of an edge ring. So the hemisphere is mirrored at the
@@ -22,6 +23,7 @@ mod glossy_points;
 mod links;
 mod matrix;
 mod merge;
+mod neighbour;
 mod rays;
 mod sky_irradiance;
 
