@@ -71,4 +71,21 @@ export async function gloss(harness, context) {
     check(faults.length === 0, faults.join());
     await page.close();
   });
+
+  await harness.test("gloss::an_object_for_an_environment_is_lit_as_by_its_operator", async () => {
+    const object = await shown("object", ["--for", "environment"]);
+    const linked = await shown("linked", ["--gloss-transfer", "matrices"]);
+    for (const degrees of [0, 120]) {
+      const off = apart(await object.turned(degrees), await linked.turned(degrees));
+      console.log(`    turned by ${degrees}: apart by ${off}`);
+      check(off < 0.05, `the object differs by ${off} from the scene with links`);
+    }
+    const dark = await object.turned(0, { lights: [] });
+    check(Math.max(...dark) === 0, "without light it is dark");
+    check(apart(await object.turned(0), await object.turned(120)) > 0.02, "a turn of the sky changes nothing");
+    const faults = [...object.faults, ...linked.faults];
+    check(faults.length === 0, faults.join());
+    await object.page.close();
+    await linked.page.close();
+  });
 }
