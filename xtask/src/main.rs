@@ -80,7 +80,7 @@ cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      the rows of triangles, and noisier errors
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
-cargo xtask bench-gloss [--quick]
+cargo xtask bench-gloss [--quick] [--scenes DIR]
                      a metal trophy under two environments beside the path tracer, with glossy transfer of several kinds
                      and sizes; writes docs/reports/gloss.md, --quick only prints
 cargo xtask fuzz [TARGET ...] [--runs N]
