@@ -2,7 +2,7 @@
 
 import { cp, mkdir, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { DEVICE_PIXELS, HANGS, within } from "./browser.mjs";
+import { HANGS, within } from "./browser.mjs";
 import { block } from "./guide.mjs";
 import { check, equal } from "./harness.mjs";
 import { serveFolder } from "./serve.mjs";
@@ -20,7 +20,7 @@ export async function threeApps(harness, { browser, work, rebounce, tools }) {
   const opened = async (folder, shown, look) => {
     for (const file of [glb, rbn]) await cp(file, path.join(folder, path.basename(file)));
     const { address, end } = await serveFolder(folder);
-    const page = await browser.newPage({ viewport: { width: 320, height: 240 }, deviceScaleFactor: DEVICE_PIXELS });
+    const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
     page.setDefaultTimeout(1000 * HANGS);
     const faults = [];
     page.on("pageerror", (error) => faults.push(String(error)));

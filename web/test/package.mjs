@@ -4,7 +4,7 @@ import { execFile, spawn } from "node:child_process";
 import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { promisify } from "node:util";
-import { DEVICE_PIXELS, HANGS, launch, spread, within } from "./browser.mjs";
+import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
 import { commandTests } from "./command.mjs";
 import { threeApps } from "./package-three.mjs";
@@ -195,7 +195,7 @@ async function developed({ browser, scene }, folder, more) {
 
 /** Opens a page, waits for its scene, and looks at the picture. */
 async function shows(browser, address, more = () => undefined) {
-  const page = await browser.newPage({ viewport: { width: 320, height: 240 }, deviceScaleFactor: DEVICE_PIXELS });
+  const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
   page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
