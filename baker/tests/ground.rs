@@ -119,7 +119,7 @@ fn a_house_on_a_plain_without_end_gets_the_functions() {
         color: [1.0; 3],
         radius_deg: 0.0,
     };
-    let shot = Shot::new([120, 90], camera(), vec![sun]);
+    let shot = Shot::new([80, 60], camera(), vec![sun]);
     let truth = scene.clone();
     let judge = Judge::new(&truth, &shot, None, || ()).unwrap();
     // No view given; a camera in the file; the shot's camera passed as setting.
@@ -191,7 +191,7 @@ fn a_stray_changes_nothing() {
     let lamp = Light::Point { position: [0.0, 2.4, 0.0], intensity: 10.0, color: [1.0; 3], radius: 0.0 };
     let position = [0.0, 1.5, 1.9];
     let camera = Camera { position, target: [0.0, 1.3, 0.0], up: [0.0, 1.0, 0.0], yfov_deg: 63.0 };
-    let shot = Shot::new([120, 90], camera.clone(), vec![lamp]);
+    let shot = Shot::new([80, 60], camera.clone(), vec![lamp]);
     let room = loaded(&blocks, None);
     let judge = Judge::new(&room, &shot, None, || ()).unwrap();
     blocks.push(block([80_000.0, 0.0, 3.0], [80_001.0, 1.0, 4.0]));

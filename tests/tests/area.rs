@@ -42,7 +42,7 @@ fn area_lights_light_the_picture_as_on_the_cpu() {
         ("sphere", sphere([-1.5, 4.3, -0.35], 0.3)),
     ];
     for (name, light) in lights {
-        let exposure = Exposure { size: [SIZE; 2], samples: 512, seed: 5 };
+        let exposure = Exposure { size: [SIZE; 2], samples: 128, seed: 5 };
         let truth =
             render(&scene, &surfaces, &camera, std::slice::from_ref(&light), exposure, Only::Direct, || ())
                 .pixels;
@@ -74,7 +74,7 @@ fn area_lights_are_seen_before_and_behind_surfaces_as_on_the_cpu() {
         disk([0.9, 2.2, -0.5], [0.0, 0.0, -1.0], 0.2),
         sphere([1.3, 1.4, -3.6], 0.6),
     ];
-    let exposure = Exposure { size: [SIZE; 2], samples: 64, seed: 5 };
+    let exposure = Exposure { size: [SIZE; 2], samples: 32, seed: 5 };
     let truth = render(&scene, &surfaces, &camera, &lights, exposure, Only::Direct, || ()).pixels;
     // A light is the middle grey.
     let stops = (0.25f32 / 10.0).log2();

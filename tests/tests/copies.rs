@@ -21,7 +21,7 @@ use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::meta::Alpha;
 use rebounce_tests::small::settings;
 
-const SIZE: [u32; 2] = [96, 64];
+const SIZE: [u32; 2] = [64, 48];
 
 /// Returns the file with instances expanded to separate triangles.
 fn alone(scene: &BakedScene) -> BakedScene {
@@ -104,7 +104,7 @@ fn a_picture_of_copies_is_one_of_things_of_their_own() {
         }
         if alpha == Alpha::Opaque {
             let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-            let exposure = Exposure { size: SIZE, samples: 256, seed: 3 };
+            let exposure = Exposure { size: SIZE, samples: 64, seed: 3 };
             let truth =
                 render(&scene, &surfaces, &camera, &room.lights, exposure, Only::Indirect, || ()).pixels;
             let (_, bias) = different(ours_bounced, &truth);

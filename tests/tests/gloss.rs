@@ -16,7 +16,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_tests::small::settings;
 
-const SIZE: [u32; 2] = [96, 80];
+const SIZE: [u32; 2] = [64, 54];
 
 /// The trophy with reflections by this transfer, as a page reads it.
 fn trophy(transfer: Transfer) -> BakedScene {

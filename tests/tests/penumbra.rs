@@ -10,7 +10,7 @@ use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
 use rebounce_shared::light::{Light, SIZE as SIZE_OF_LIGHT};
 
-const SIZE: u32 = 192;
+const SIZE: u32 = 96;
 /// Minimum difference from a point light, relative to the brighter value, that counts as penumbra.
 const SEEN: f32 = 0.1;
 /// Maximum RMS difference to the CPU within the penumbra, as a share of the RMS difference between point and area
@@ -43,7 +43,7 @@ fn penumbrae_are_as_wide_as_the_cpus() {
         ("sun", Light::Directional { direction: [0.4, -0.8, -1.0], intensity: 4.0, color, radius_deg: 1.0 }),
     ];
     for (name, light) in lights {
-        let exposure = Exposure { size: [SIZE; 2], samples: 512, seed: 5 };
+        let exposure = Exposure { size: [SIZE; 2], samples: 256, seed: 5 };
         let truth =
             |light: Light| render(&scene, &surfaces, &camera, &[light], exposure, Only::Direct, || ()).pixels;
         let (soft, sharp) = (truth(light.clone()), truth(point(&light)));

@@ -69,7 +69,7 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         ),
     ];
     for (name, light) in lights {
-        let exposure = Exposure { size: [SIZE; 2], samples: 256, seed: 5 };
+        let exposure = Exposure { size: [SIZE; 2], samples: 64, seed: 5 };
         let lights = [light];
         let truth = render(&scene, &surfaces, &floor, &lights, exposure, Only::Direct, || ()).pixels;
         let (mean, stops) = mean_and_stops(&truth);

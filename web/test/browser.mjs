@@ -22,6 +22,9 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, args: FLAGS });
 }
 
+/** Device pixels for a CSS pixel in tests: pages lay out as ever, and draw a quarter of the pixels, which is what software WebGPU costs by. */
+export const DEVICE_PIXELS = 0.5;
+
 /** Something took too long. */
 export class Late extends Error {}
 

@@ -95,7 +95,7 @@ if (!address || !folder) throw new Error("usage: node film.mjs ADDRESS FOLDER");
 
 const browser = await launch();
 try {
-  const { page, faults } = await loaded({ browser, address }, PLAIN, { viewport: SIZE });
+  const { page, faults } = await loaded({ browser, address }, PLAIN, { viewport: SIZE, media: { deviceScaleFactor: 1 } });
   const { selected, lights } = await prepare(page);
   for (const [k, list] of lights.entries()) {
     const png = await shoot(page, list, selected);

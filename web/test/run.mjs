@@ -16,6 +16,8 @@ import { runWasmTests } from "./wasm.mjs";
 
 const harness = new Harness();
 const args = process.argv.slice(2);
+/** Tests of packages and site, which run at the same time: much of their time is spent waiting. */
+const last = [];
 let only;
 while (args.length > 0) {
   const kind = args.shift();
@@ -40,22 +42,15 @@ while (args.length > 0) {
     }
   } else if (kind === "--package") {
     const [work, rebounce, viewer, command, native] = args.splice(0, 5);
-    console.log("\ntests of the npm packages");
-    try {
-      await runPackageTests(harness, { work, rebounce, viewer, command, native });
-    } catch (error) {
-      await harness.test("package", () => Promise.reject(error));
-    }
+    last.push(["package", () => runPackageTests(harness, { work, rebounce, viewer, command, native })]);
   } else if (kind === "--site") {
-    console.log("\ntests of the site");
-    try {
-      await runSiteTests(harness, args.shift());
-    } catch (error) {
-      await harness.test("site", () => Promise.reject(error));
-    }
+    const folder = args.shift();
+    last.push(["site", () => runSiteTests(harness, folder)]);
   } else {
     throw new Error(`unknown argument ${kind}`);
   }
 }
+if (last.length > 0) console.log("\ntests of the npm packages and of the site");
+await Promise.all(last.map(([name, tests]) => tests().catch((error) => harness.test(name, () => Promise.reject(error)))));
 console.log(`\n${harness.passed} passed, ${harness.failed} failed`);
 process.exitCode = harness.failed > 0 || harness.passed === 0 ? 1 : 0;

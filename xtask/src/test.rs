@@ -74,17 +74,20 @@ pub fn run(args: &[String]) -> Result<()> {
     checked.and(native).and(wasm.map(drop)).and(browser)
 }
 
-/// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
-/// tests.
+/// `cargo test` of the workspace, in the development profile (optimised): the tests, then those in documentation. The build
+/// includes the programs for the browser tests, and leaves out examples, which `cargo xtask check` looks at.
 fn native(options: &[&str]) -> Result<()> {
-    let mut command = process::cargo();
-    command
-        .args(["test", "--locked", "--workspace", "--features", sources::STEP, "--no-fail-fast"])
-        .args(options);
-    if let Some(description) = install::lavapipe() {
-        command.env("VK_DRIVER_FILES", description);
-    }
-    process::run(&mut command)
+    let run = |targets: &[&str]| {
+        let mut command = process::cargo();
+        command.args(["test", "--locked", "--workspace", "--features", sources::STEP, "--no-fail-fast"]);
+        command.args(targets).args(options);
+        if let Some(description) = install::lavapipe() {
+            command.env("VK_DRIVER_FILES", description);
+        }
+        process::run(&mut command)
+    };
+    let tests = run(&["--tests"]);
+    if options.contains(&"--no-run") { tests } else { tests.and(run(&["--doc"])) }
 }
 
 /// Tests bakes over several processes against bakes in a single process. Part of the native tests when all are run: another

@@ -44,20 +44,12 @@ pub fn build() -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    let element = |features| ["--no-default-features", "--features", features];
-    for (package, library, name, options) in [
-        ("rebounce-viewer", NAME, NAME, &element("element")[..]),
-        ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity")),
-        ("rebounce-three", THREE, THREE, &[]),
-    ] {
-        bindgen::module(&wasm(toolchain, package, library, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
-        shrink(&pkg.join(format!("{name}_bg.wasm")))?;
-    }
-    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
-        let wasm = baker_wasm(toolchain, "web-baker", options)?;
-        bindgen::module(&wasm, name, bindgen::FROM_MODULE, &pkg)?;
-        optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
-    }
+    // Each has a profile of its own, and links with one core.
+    std::thread::scope(|scope| {
+        let bakers = scope.spawn(|| bakers(toolchain, &pkg));
+        let renderers = renderers(toolchain, &pkg);
+        renderers.and(bakers.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
@@ -67,6 +59,30 @@ pub fn build() -> Result<()> {
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
     bundle_size::check(&files)?;
     println!("built {}", dist.display());
+    Ok(())
+}
+
+/// Builds the modules of the renderer.
+fn renderers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
+    let element = |features| ["--no-default-features", "--features", features];
+    for (package, library, name, options) in [
+        ("rebounce-viewer", NAME, NAME, &element("element")[..]),
+        ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity")),
+        ("rebounce-three", THREE, THREE, &[]),
+    ] {
+        bindgen::module(&wasm(toolchain, package, library, options)?, name, bindgen::FROM_RESPONSE, pkg)?;
+        shrink(&pkg.join(format!("{name}_bg.wasm")))?;
+    }
+    Ok(())
+}
+
+/// Builds the modules of the baker.
+fn bakers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
+    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
+        let wasm = baker_wasm(toolchain, "web-baker", options)?;
+        bindgen::module(&wasm, name, bindgen::FROM_MODULE, pkg)?;
+        optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
+    }
     Ok(())
 }
 

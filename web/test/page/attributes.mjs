@@ -1,6 +1,6 @@
 // Attributes, their properties, and what each of them does.
 
-import { HANGS, spread, within } from "../browser.mjs";
+import { DEVICE_PIXELS, HANGS, spread, within } from "../browser.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { loaded, open, outcome } from "./open.mjs";
 
@@ -158,7 +158,7 @@ export async function attributes(harness, context) {
       check(Object.values(stats.bytes).every((n) => n >= 0) && stats.bytes.scene > 1e5, JSON.stringify(stats.bytes));
       check(stats.functions.length > 1 && stats.adapter !== "", JSON.stringify(stats));
       const { pixels, pixelsLookedUp, functionsLookedAtPerPixel, kernelEvaluationsPerPixel } = counts;
-      check(pixels === 320 * 180 && pixelsLookedUp > pixels / 5 && pixelsLookedUp < pixels, JSON.stringify(counts));
+      check(pixels === 320 * 180 * DEVICE_PIXELS ** 2 && pixelsLookedUp > pixels / 5 && pixelsLookedUp < pixels, JSON.stringify(counts));
       check(functionsLookedAtPerPixel > kernelEvaluationsPerPixel && kernelEvaluationsPerPixel > 0.5, JSON.stringify(counts));
     },
     "method stats, method counts",

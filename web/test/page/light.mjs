@@ -7,7 +7,7 @@ import { open, outcome } from "./open.mjs";
 
 /** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
  * side, since the CPU takes 64 samples a pixel. */
-const SIZE = [256, 144];
+const SIZE = [96, 54];
 const FINER = 2;
 /** The most that the browser's indirect light may differ from the CPU's, relative RMS; and that of lookup from that of splats. */
 const TOLERANCE = 0.01;

@@ -97,7 +97,7 @@ export async function nodes(harness, context) {
   const bodies = { "points.rbn": await bake("points.rbn", "--solver", "radiosity"), "links.rbn": await bake("links.rbn", "--group", "block") };
   const routes = Object.fromEntries(Object.entries(bodies).map(([name, body]) => [`**/${name}`, (route) => route.fulfill({ body, contentType: "application/octet-stream" })]));
   const opened = async (name, attributes = "") => {
-    const { page, faults } = await loaded(context, `<rebounce-viewer src="${name}" ${attributes}></rebounce-viewer>`, { routes, prepare: helpers });
+    const { page, faults } = await loaded(context, `<rebounce-viewer src="${name}" ${attributes}></rebounce-viewer>`, { routes, prepare: helpers, media: { deviceScaleFactor: 1 } });
     await page.evaluate((shot) => (viewer.shot = shot), { camera: CAMERA, lights: LIGHTS });
     return { page, faults };
   };

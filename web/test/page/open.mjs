@@ -1,6 +1,6 @@
 // Opens the page and looks at what the element makes of it.
 
-import { HANGS, within } from "../browser.mjs";
+import { DEVICE_PIXELS, HANGS, within } from "../browser.mjs";
 import { check, equal } from "../harness.mjs";
 
 /** The page's element without its panel: quicker. */
@@ -12,7 +12,7 @@ export const PLAIN = '<rebounce-viewer src="scene.rbn"></rebounce-viewer>';
  */
 export async function open(context, options = {}) {
   const { query = "", prepare, argument, routes = {}, html, viewport = { width: 320, height: 180 }, media } = options;
-  const page = await context.browser.newPage({ viewport, ...media });
+  const page = await context.browser.newPage({ viewport, deviceScaleFactor: DEVICE_PIXELS, ...media });
   page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));

@@ -3,7 +3,7 @@
 import path from "node:path";
 import { readFile } from "node:fs/promises";
 import { exec } from "../agreement.mjs";
-import { within } from "../browser.mjs";
+import { DEVICE_PIXELS, within } from "../browser.mjs";
 import { check, equal, near, same } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
@@ -129,7 +129,7 @@ export async function panelLights(harness, context) {
     await page.evaluate(() => void (viewer.lights = viewer.lights.map((light) => ({ ...light, direction: [1, 0, 0] }))));
     await aim.click();
     await page.mouse.click(120, 210);
-    same(await page.evaluate(() => asked), [[100, 200], [120, 210]], "places asked for");
+    same(await page.evaluate(() => asked), [[100, 200], [120, 210]].map((at) => at.map((x) => x * DEVICE_PIXELS)), "places asked for");
     same((await light()).direction, [0, -4, 0], "the direction after a click");
     same(await page.evaluate(() => viewer.camera), camera, "the camera");
     await page.evaluate(() => viewer.undo());

@@ -9,7 +9,7 @@ import { loaded } from "./open.mjs";
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 const CONTROLS = '<rebounce-viewer src="scene.rbn" controls alt="A room"></rebounce-viewer>';
-const PHONE = { viewport: { width: 390, height: 844 }, media: { hasTouch: true, isMobile: true, deviceScaleFactor: 1 } };
+const PHONE = { viewport: { width: 390, height: 844 }, media: { hasTouch: true, isMobile: true } };
 const SIZES = [{ viewport: { width: 960, height: 540 } }, { viewport: { width: 1280, height: 720 } }, PHONE];
 /** Lights of all kinds, with long numbers and a long name. */
 const LIGHTS = [

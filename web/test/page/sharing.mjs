@@ -5,7 +5,7 @@ import { check, equal, same } from "../harness.mjs";
 import { ledger } from "./ledger.mjs";
 import { open, outcome, PLAIN } from "./open.mjs";
 
-const CYCLES = 200;
+const CYCLES = 120;
 /** After so many, memory no longer grows. */
 const SETTLED = 20;
 
@@ -16,11 +16,11 @@ export async function counted(context, html, options = {}) {
     globalThis.elements = () => [...document.querySelectorAll("rebounce-viewer")];
     globalThis.loads = () => events.filter((event) => event.type === "load").length;
     // The tone-mapped picture, small.
-    globalThis.look = (element) => element.readPixels(64, 36).then((pixels) => Array.from(pixels));
+    globalThis.look = (element) => element.readPixels(32, 18).then((pixels) => Array.from(pixels));
     // A further element, small.
     globalThis.add = (src = "scene.rbn") => {
       const element = document.createElement("rebounce-viewer");
-      Object.assign(element, { src, width: 64, height: 36 });
+      Object.assign(element, { src, width: 32, height: 18 });
       document.body.append(element);
       return element;
     };

@@ -143,7 +143,7 @@ export async function slots(harness, context) {
         return globalThis.watched;
       };
     };
-    const { page } = await loaded(context, PLAIN, { prepare });
+    const { page } = await loaded(context, PLAIN, { prepare, media: { deviceScaleFactor: 1 } });
     const size = (ratio) =>
       page.evaluate((value) => {
         if (value) {

@@ -7,7 +7,7 @@ import { check, equal, same } from "../harness.mjs";
 import { loaded, open, outcome } from "./open.mjs";
 
 /** As in light.mjs. */
-const SIZE = [192, 108];
+const SIZE = [96, 54];
 const FINER = 2;
 const TOLERANCE = 0.01;
 

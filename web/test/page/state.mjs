@@ -3,6 +3,7 @@
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { exec } from "../agreement.mjs";
+import { DEVICE_PIXELS } from "../browser.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { loaded, open, outcome } from "./open.mjs";
 
@@ -29,7 +30,7 @@ export async function state(harness, context) {
       }, SHOT);
       same(shot.camera, SHOT.camera, "the camera");
       same(shot.lights, SHOT.lights, "the lights");
-      same(shot.size, [320, 180], "the size");
+      same(shot.size, [320, 180].map((side) => side * DEVICE_PIXELS), "the size");
       const file = path.join(context.work, "state.json");
       await writeFile(file, JSON.stringify({ ...shot, size: [16, 9] }));
       await exec(context.rebounce, ["render", context.baked, "--shot", file, "-o", `${file}.png`, "--spp", "1"]);

@@ -9,7 +9,7 @@ import { loaded } from "./open.mjs";
 /** A plate, a wall and a tube. */
 const STEP = path.resolve("../baker/tests/step/tube.step");
 /** As in light.mjs. */
-const SIZE = [160, 108];
+const SIZE = [80, 54];
 const FINER = 2;
 const TOLERANCE = 0.02;
 
