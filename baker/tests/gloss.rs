@@ -26,7 +26,7 @@ const SKY: Light = Light::Environment { file: None, rotation_deg: 0.0, intensity
 /// Value of the first of the harmonics.
 const FIRST: f32 = 0.282_094_8;
 
-fn metal(albedo: [f32; 3], roughness: f32) -> Material {
+pub fn metal(albedo: [f32; 3], roughness: f32) -> Material {
     let [r, g, b] = albedo;
     Material { base_color: [r, g, b, 1.0], metallic: 1.0, roughness, specular: 0.5, ..Material::default() }
 }
@@ -54,7 +54,7 @@ fn add_quad(scene: &mut Scene, middle: Vec3, [u, v]: [Vec3; 2], material: u32) {
 }
 
 /// Adds a smooth-shaded ball.
-fn add_ball(scene: &mut Scene, middle: Vec3, radius: f32, material: u32) {
+pub fn add_ball(scene: &mut Scene, middle: Vec3, radius: f32, material: u32) {
     const AROUND: u32 = 96;
     const ALONG: u32 = 48;
     let first = scene.positions.len() as u32;

@@ -33,6 +33,7 @@ mod materials;
 mod open;
 mod pairwise;
 mod points;
+mod reflections;
 mod resume;
 mod simplify;
 mod size;

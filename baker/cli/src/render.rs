@@ -49,6 +49,8 @@ enum ReflectionsArg {
     CubeMaps,
     /// As cube-maps, and the transfer where no map is sure
     CubeMapsTransfer,
+    /// Cube maps, corrected by the depth in the middle of each lobe
+    CubeMapsMiddle,
     /// Cube maps, corrected by a box around each
     Boxes,
     /// Cube maps of what is taken to be far away
@@ -67,6 +69,9 @@ impl ReflectionsArg {
             Self::Rays => Way::Rays,
             Self::CubeMaps => Way::CubeMaps(maps),
             Self::CubeMapsTransfer => Way::CubeMaps(CubeMapSettings { with_transfer: true, ..maps }),
+            Self::CubeMapsMiddle => {
+                Way::CubeMaps(CubeMapSettings { correction: Correction::MiddleDepth, ..maps })
+            }
             Self::Boxes => Way::CubeMaps(CubeMapSettings { correction: Correction::Box, ..maps }),
             Self::Far => Way::CubeMaps(CubeMapSettings { correction: Correction::None, ..maps }),
             Self::Screen => Way::Screen(None),

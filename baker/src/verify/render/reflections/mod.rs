@@ -169,7 +169,7 @@ impl Reflections {
             Source::Rays | Source::Screen(..) => stream.square(),
             Source::Transfer | Source::CubeMaps(_) => Vec2::ZERO,
         };
-        let maps = self.cube_maps().map(|maps| maps.around(hit));
+        let maps = self.cube_maps().map(|maps| maps.around(hit, direction, &mut cost));
         let radiance = conducted(hit, direction, shift, |to_light, solid_angle| {
             cost.samples += 1;
             // As path tracers have it: nothing arrives from within.

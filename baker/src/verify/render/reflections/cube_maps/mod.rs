@@ -21,7 +21,7 @@ use crate::random::Stream;
 use cube::Cube;
 use glam::{Vec3, Vec4};
 use levels::Levels;
-use march::Distances;
+use march::{Distances, Met};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
@@ -40,6 +40,8 @@ pub enum Correction {
     /// By following the ray through the distances of a map.
     #[default]
     Depth,
+    /// By following the ray in the middle of a lobe: all of the lobe is taken to be as far away.
+    MiddleDepth,
     /// By a box around a map.
     Box,
     /// Not at all: all is far away.
@@ -176,7 +178,7 @@ impl CubeMaps {
     }
 
     /// Orders the maps for a hit.
-    pub(super) fn around<'a>(&'a self, hit: &Hit) -> Around<'a> {
+    pub(super) fn around<'a>(&'a self, hit: &Hit, direction: Vec3, cost: &mut LobeCost) -> Around<'a> {
         let rank = |map: &'a Lit| {
             let from = hit.position - map.place;
             let is_unseen = !map.distances.sees(from) || from.dot(hit.geometric_normal) > 0.0;
@@ -188,11 +190,17 @@ impl CubeMaps {
         let angle = ranked.first().map_or(0.0, |(_, map)| map.distances.cube.angle());
         // Off the surface by a texel, so that rays do not end where they begin.
         let away = ranked.first().map_or(0.0, |(_, map)| map.place.distance(hit.position) * angle);
-        Around {
+        let mut around = Around {
             settings: &self.settings,
             maps: ranked.into_iter().map(|(_, map)| map).collect(),
             position: hit.position + hit.geometric_normal * away,
+            middle: None,
+        };
+        if self.settings.correction == Correction::MiddleDepth {
+            let mirrored = direction.reflect(hit.normal);
+            around.middle = around.meet(mirrored, cost).map(|(map, met)| (map, met.along));
         }
+        around
     }
 }
 
@@ -201,9 +209,40 @@ pub(super) struct Around<'a> {
     settings: &'a CubeMapSettings,
     maps: Vec<&'a Lit>,
     position: Vec3,
+    /// Map of the ray in the middle of the lobe, and how far that ray goes: all of the lobe is taken to be as far.
+    middle: Option<(&'a Lit, f32)>,
 }
 
-impl Around<'_> {
+impl<'a> Around<'a> {
+    /// Where a ray of unit direction ends, by the best map.
+    fn meet(&self, direction: Vec3, cost: &mut LobeCost) -> Option<(&'a Lit, Met)> {
+        if let Some((map, along)) = self.middle {
+            let place = self.position - map.place + along * direction;
+            let is_far = !along.is_finite();
+            let seen_from_map = if is_far { direction } else { place };
+            let from_map = if is_far { f32::INFINITY } else { place.length() };
+            return Some((map, Met { seen_from_map, along, from_map, is_sure: true }));
+        }
+        let mut best = None;
+        for map in &self.maps {
+            let from = self.position - map.place;
+            let met = match self.settings.correction {
+                Correction::Depth | Correction::MiddleDepth => {
+                    map.distances.follow(from, direction, &mut cost.steps)
+                }
+                Correction::Box => map.room.meet(from, direction),
+                Correction::None => {
+                    Room { low: Vec3::NEG_INFINITY, high: Vec3::INFINITY }.meet(from, direction)
+                }
+            };
+            if met.is_sure {
+                return Some((*map, met));
+            }
+            best = best.or(Some((*map, met)));
+        }
+        best
+    }
+
     /// Radiance from a unit direction over about this solid angle; `sky` is the environment's. `None` where the transfer has
     /// to answer.
     pub fn radiance(
@@ -213,23 +252,7 @@ impl Around<'_> {
         sky: impl FnOnce() -> Vec3,
         cost: &mut LobeCost,
     ) -> Option<Vec3> {
-        let mut best = None;
-        for map in &self.maps {
-            let from = self.position - map.place;
-            let met = match self.settings.correction {
-                Correction::Depth => map.distances.follow(from, direction, &mut cost.steps),
-                Correction::Box => map.room.meet(from, direction),
-                Correction::None => {
-                    Room { low: Vec3::NEG_INFINITY, high: Vec3::INFINITY }.meet(from, direction)
-                }
-            };
-            if met.is_sure {
-                best = Some((map, met));
-                break;
-            }
-            best = best.or(Some((map, met)));
-        }
-        let (map, met) = best?;
+        let (map, met) = self.meet(direction, cost)?;
         if !met.is_sure {
             cost.fallbacks += 1;
             if self.settings.with_transfer {
@@ -247,3 +270,6 @@ impl Around<'_> {
         Some(texel.truncate() + sky() * (1.0 - texel.w))
     }
 }
+
+#[cfg(test)]
+mod tests;
