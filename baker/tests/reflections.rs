@@ -5,7 +5,7 @@ use crate::gloss_links::{baked, shining_furnace};
 use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::io::picture::{Only, Picture};
+use rebounce::io::picture::Only;
 use rebounce::light::illumination::Illumination;
 use rebounce::transport::gloss::Transfer;
 use rebounce::verify::compare::compare;
@@ -19,7 +19,7 @@ use rebounce_shared::light::Light;
 use rebounce_shared::lighting::Lighting;
 
 const MAPS: CubeMapSettings =
-    CubeMapSettings { count: 4, side: 16, correction: Correction::Depth, lift: 0.15, with_transfer: false };
+    CubeMapSettings { count: 4, side: 16, correction: Correction::Depth, lift: 0.05, with_transfer: false };
 
 #[test]
 fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
@@ -41,7 +41,8 @@ fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
         let off: Vec<f32> = picture.pixels.iter().map(|pixel| pixel.x / 2.0 - 1.0).collect();
         let mean = off.iter().sum::<f32>() / off.len() as f32;
         let worst = off.iter().fold(0.0f32, |worst, off| worst.max(off.abs()));
-        assert!(mean.abs() < 0.01 && worst < 0.05, "{way:?}: {mean}, at most {worst}");
+        // Walls that are seen in walls are metals, too: of even light they give back ρ (E + ρ (1 − E)), E of some 0.97.
+        assert!(mean.abs() < 0.02 && worst < 0.05, "{way:?}: {mean}, at most {worst}");
         let cost = relit.reflection_cost();
         assert_eq!(cost.samples > 0, way != Way::Transfer, "{way:?}");
     }
@@ -49,8 +50,8 @@ fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
 
 #[test]
 fn rays_and_cube_maps_show_a_ball_as_the_path_tracer_does() {
-    // Share of the error that is the basis' and that of metals which scatter like chalk in transport.
-    const MOST: f64 = 0.06;
+    // Functions of a small bake, and metals that scatter like chalk in transport.
+    const MOST: f64 = 0.03;
     let mut scene = rebounce::io::load("builtin:furnace").unwrap();
     scene.materials.push(metal([0.9, 0.7, 0.5], 0.3));
     add_ball(&mut scene, Vec3::new(0.0, -0.4, -0.3), 0.35, 1);
@@ -79,12 +80,11 @@ fn rays_and_cube_maps_show_a_ball_as_the_path_tracer_does() {
     let error = |way: Way| {
         let relit = Relit::lit(&file, &surfaces, lighting.clone(), false);
         let relit = relit.with_reflections(&file, &surfaces, &way, &view);
-        let picture: Picture = relit.picture(&file, &surfaces, &camera, exposure(3), Only::All, || ());
+        let picture = relit.picture(&file, &surfaces, &camera, exposure(3), Only::All, || ());
         compare(&picture, &a, Some(&b)).unwrap().error.figure()
     };
     let maps = CubeMapSettings { count: 16, side: 32, ..MAPS };
     let [transfer, rays, by_maps] = [Way::Transfer, Way::Rays, Way::CubeMaps(maps)].map(error);
-    println!("transfer {transfer}, rays {rays}, cube maps {by_maps}");
     assert!(rays < MOST && by_maps < MOST, "{rays} {by_maps}");
-    assert!(rays < transfer && by_maps < transfer, "{rays} {by_maps} {transfer}");
+    assert!(rays < 0.5 * transfer && by_maps < 0.5 * transfer, "{rays} {by_maps} {transfer}");
 }

@@ -65,7 +65,7 @@ pub struct CubeMapSettings {
 
 impl Default for CubeMapSettings {
     fn default() -> Self {
-        Self { count: 16, side: 32, correction: Correction::Depth, lift: 0.15, with_transfer: false }
+        Self { count: 16, side: 32, correction: Correction::Depth, lift: 0.05, with_transfer: false }
     }
 }
 
