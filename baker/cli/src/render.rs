@@ -102,7 +102,7 @@ fn report(relit: &Relit) {
         );
     }
     if let Some(maps) = relit.cube_maps() {
-        eprintln!("cube maps: {} texels, {} bytes before compression", maps.texels(), maps.packed().len());
+        eprintln!("cube maps: {} texels, {} bytes before compression", maps.texels(), maps.bytes());
     }
 }
 

@@ -24,7 +24,6 @@ use levels::Levels;
 use march::{Distances, Met};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::octahedral;
 use room::Room;
 
 /// Estimates of the light of a texel: light of area lamps is sampled.
@@ -33,6 +32,9 @@ const SAMPLES: u64 = 4;
 const LOOKS: usize = 3;
 /// Factor of the distance of a map that does not see the hit.
 const UNSEEN: f32 = 4.0;
+
+/// Bytes of a texel in a file: half a float of distance, two bytes of normal, three of reflectance, one of what shines there.
+const TEXEL_BYTES: usize = 8;
 
 /// How the way from map to pixel is allowed for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,7 +90,6 @@ struct Lit {
 pub struct CubeMaps {
     settings: CubeMapSettings,
     maps: Vec<Lit>,
-    packed: Vec<u8>,
 }
 
 impl Geometry {
@@ -121,28 +122,6 @@ impl Geometry {
         let room = Room::fitted(&distances);
         Lit { place: self.place, distances, room, levels: Levels::new(cube, texels) }
     }
-
-    /// The map as a file would have it, before compression: of each texel half a float of distance relative to the farthest,
-    /// two bytes of normal, three of reflectance and one of the material, each in a plane of its own.
-    fn pack(&self, out: &mut Vec<u8>) {
-        let distances = self.hits.iter().flatten().map(|hit| hit.distance);
-        let farthest = distances.fold(0.0, f32::max);
-        let code = |hit: &Hit| ((hit.distance / farthest).sqrt() * 65_534.0) as u16;
-        let codes = self.hits.iter().map(|hit| hit.as_ref().map_or(u16::MAX, code));
-        let (low, high): (Vec<u8>, Vec<u8>) = codes.map(|code| code.to_le_bytes().into()).unzip();
-        out.extend(low);
-        out.extend(high);
-        let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
-        let of = |hit: &Hit| {
-            let normal = octahedral::encode(hit.normal) * 0.5 + 0.5;
-            let albedo = hit.albedo.map(f32::sqrt);
-            [normal.x, normal.y, albedo.x, albedo.y, albedo.z].map(byte)
-        };
-        let texels: Vec<[u8; 5]> = self.hits.iter().map(|hit| hit.as_ref().map_or([0; 5], of)).collect();
-        (0..5).for_each(|plane| out.extend(texels.iter().map(|texel| texel[plane])));
-        let kind = |hit: &Hit| u8::from(hit.gloss.is_metal()) | u8::from(hit.emission != Vec3::ZERO) << 1;
-        out.extend(self.hits.iter().map(|hit| hit.as_ref().map_or(0, kind)));
-    }
 }
 
 impl CubeMaps {
@@ -158,23 +137,19 @@ impl CubeMaps {
         R: Fn(&Hit, Vec3, &mut Stream) -> Vec3 + Sync,
     {
         let cube = Cube { side: settings.side.max(1).next_power_of_two() };
-        let (mut maps, mut packed) = (Vec::new(), Vec::new());
-        for place in places::places(scene, surfaces, settings.count, settings.lift) {
-            let geometry = Geometry::new(cube, place, surfaces);
-            geometry.pack(&mut packed);
-            maps.push(geometry.lit(cube, radiance));
-        }
-        Self { settings: *settings, maps, packed }
-    }
-
-    /// The maps as a file would have them, before compression.
-    pub fn packed(&self) -> &[u8] {
-        &self.packed
+        let lit = |place| Geometry::new(cube, place, surfaces).lit(cube, radiance);
+        let places = places::places(scene, surfaces, settings.count, settings.lift);
+        Self { settings: *settings, maps: places.into_iter().map(lit).collect() }
     }
 
     /// Texels that are lit anew after a change of light.
     pub fn texels(&self) -> usize {
         self.maps.iter().map(|map| map.distances.texels.len()).sum()
+    }
+
+    /// Bytes that a file would need for them, before compression.
+    pub fn bytes(&self) -> usize {
+        self.texels() * TEXEL_BYTES
     }
 
     /// Orders the maps for a hit.
