@@ -72,7 +72,7 @@ impl Distances {
         let step = way.whole / count as f32;
         let is_behind = |phi: f32| {
             let surface = self.at(way.toward(phi));
-            (way.from_map(phi) > surface * (1.0 + BIAS * angle)).then_some(surface)
+            (way.distance(phi) > surface * (1.0 + BIAS * angle)).then_some(surface)
         };
         let (mut was_behind, mut is_sure) = (is_behind(0.0).is_some(), self.sees(from));
         for i in 1..=count {
@@ -87,7 +87,7 @@ impl Distances {
                 }
                 *steps += u64::from(HALVINGS);
                 let (seen_from_map, from_map) = (way.toward(high), self.at(way.toward(high)));
-                if way.from_map(high) < from_map * (1.0 + THICK.0 + THICK.1 * angle) {
+                if way.distance(high) < from_map * (1.0 + THICK.0 + THICK.1 * angle) {
                     return Met { seen_from_map, along: way.along(high), from_map, is_sure };
                 }
                 // It passes behind an edge.
@@ -135,7 +135,7 @@ impl Way {
     }
 
     /// Distance from the cube map at an angle.
-    fn from_map(&self, phi: f32) -> f32 {
+    fn distance(&self, phi: f32) -> f32 {
         let rest = self.rest(phi);
         if rest > 1e-5 { self.start * self.sine / rest } else { f32::INFINITY }
     }
