@@ -13,7 +13,7 @@ use rebounce::verify::expose::Exposure;
 use rebounce::verify::path_trace::{self, path_trace};
 use rebounce::verify::render::Relit;
 use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapSettings};
-use rebounce::verify::render::reflections::{View, Way};
+use rebounce::verify::render::reflections::{ReflectionView, Way};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::lighting::Lighting;
@@ -32,7 +32,7 @@ fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
     let mut ways = vec![Way::Transfer, Way::Rays, Way::Screen(None), Way::Screen(Some(MAPS))];
     ways.extend(corrections.map(by));
     let exposure = Exposure { size: [24, 24], samples: 4, seed: 1 };
-    let view = View { frame: scene.cameras[0].frame(file.meta.origin), size: exposure.size };
+    let view = ReflectionView { frame: scene.cameras[0].frame(file.meta.origin), size: exposure.size };
     for way in ways {
         let relit = Relit::lit(&file, &surfaces, lighting.clone(), false);
         let relit = relit.with_reflections(&file, &surfaces, &way, &view);
@@ -76,7 +76,7 @@ fn rays_and_cube_maps_show_a_ball_as_the_path_tracer_does() {
         path_trace(&surfaces, scene.origin, &camera, &illumination, exposure(seed), settings, || ())
     });
     let lighting = Lighting::new(&lights, None, file.meta.origin, 0);
-    let view = View { frame: camera.frame(file.meta.origin), size: [40, 40] };
+    let view = ReflectionView { frame: camera.frame(file.meta.origin), size: [40, 40] };
     let error = |way: Way| {
         let relit = Relit::lit(&file, &surfaces, lighting.clone(), false);
         let relit = relit.with_reflections(&file, &surfaces, &way, &view);

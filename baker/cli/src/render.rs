@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
 use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapSettings};
-use rebounce::verify::render::reflections::{View, Way};
+use rebounce::verify::render::reflections::{ReflectionView, Way};
 use rebounce::verify::render::{Relit, packed_environment};
 use rebounce_shared::light::LightKind;
 use rebounce_shared::lighting::Lighting;
@@ -133,7 +133,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let frame = shot.camera.frame(scene.meta.origin);
     let relit = if shot.gloss {
         let way = args.reflections.way(args.cube_maps);
-        relit.with_reflections(&scene, &with_lights, &way, &View { frame, size: exposure.size })
+        relit.with_reflections(&scene, &with_lights, &way, &ReflectionView { frame, size: exposure.size })
     } else {
         relit
     };

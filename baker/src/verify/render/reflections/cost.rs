@@ -28,14 +28,14 @@ pub struct Cost {
 
 /// Sums over a picture, from any thread.
 #[derive(Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct CostSums {
     lobes: AtomicU64,
     samples: AtomicU64,
     steps: AtomicU64,
     fallbacks: AtomicU64,
 }
 
-impl Tally {
+impl CostSums {
     /// Adds the work of a lobe.
     pub fn add(&self, lobe: &LobeCost) {
         let of = [

@@ -16,7 +16,7 @@ use super::Relit;
 use crate::basis::Leveled;
 use crate::geometry::{Hit, Surfaces};
 use crate::random::Stream;
-use cost::{Cost, LobeCost, Tally};
+use cost::{Cost, CostSums, LobeCost};
 use cube_maps::{CubeMapSettings, CubeMaps};
 use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
@@ -43,7 +43,7 @@ pub enum Way {
 
 /// The picture that rays in the picture look at.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
+pub struct ReflectionView {
     /// The camera.
     pub frame: CameraFrame,
     /// Width and height, pixels.
@@ -53,12 +53,12 @@ pub struct View {
 /// Light that metals reflect.
 pub(super) struct Reflections {
     field: GlossyField,
-    source: Source,
-    tally: Tally,
+    source: ReflectionSource,
+    tally: CostSums,
 }
 
 /// A way with its data.
-enum Source {
+enum ReflectionSource {
     Transfer,
     Rays,
     CubeMaps(CubeMaps),
@@ -88,7 +88,11 @@ impl Reflections {
     /// Applies the glossy transfer of a file to what its senders send; `None` if it has none.
     pub fn new(scene: &BakedScene, lighting: &Lighting, sent: &[Vec3]) -> Option<Self> {
         let field = GlossyField::new(scene, lighting, sent);
-        (!field.is_empty()).then(|| Self { field, source: Source::Transfer, tally: Tally::default() })
+        (!field.is_empty()).then(|| Self {
+            field,
+            source: ReflectionSource::Transfer,
+            tally: CostSums::default(),
+        })
     }
 
     /// With the light of lobes from elsewhere. `relit` is the scene under the same lighting, without reflections.
@@ -98,7 +102,7 @@ impl Reflections {
         relit: &Relit,
         scene: &BakedScene,
         surfaces: &impl Surfaces,
-        view: &View,
+        view: &ReflectionView,
     ) -> Self {
         let cube_maps = |settings: &CubeMapSettings| {
             CubeMaps::new(settings, scene, surfaces, &|hit, direction, stream| {
@@ -106,13 +110,13 @@ impl Reflections {
             })
         };
         let source = match way {
-            Way::Transfer => Source::Transfer,
-            Way::Rays => Source::Rays,
-            Way::CubeMaps(settings) => Source::CubeMaps(cube_maps(settings)),
+            Way::Transfer => ReflectionSource::Transfer,
+            Way::Rays => ReflectionSource::Rays,
+            Way::CubeMaps(settings) => ReflectionSource::CubeMaps(cube_maps(settings)),
             Way::Screen(behind) => {
                 let seen =
                     |hit: &Hit, direction, stream: &mut _| self.seen(relit, surfaces, hit, direction, stream);
-                Source::Screen(Screen::new(view, surfaces, &seen), behind.as_ref().map(cube_maps))
+                ReflectionSource::Screen(Screen::new(view, surfaces, &seen), behind.as_ref().map(cube_maps))
             }
         };
         Self { source, ..self }
@@ -126,7 +130,7 @@ impl Reflections {
     /// The cube maps, where they are used.
     pub fn cube_maps(&self) -> Option<&CubeMaps> {
         match &self.source {
-            Source::CubeMaps(maps) | Source::Screen(_, Some(maps)) => Some(maps),
+            ReflectionSource::CubeMaps(maps) | ReflectionSource::Screen(_, Some(maps)) => Some(maps),
             _ => None,
         }
     }
@@ -159,15 +163,15 @@ impl Reflections {
         stream: &mut Stream,
     ) -> Option<Vec3> {
         let (lighting, basis) = (&relit.lighting, &relit.basis);
-        if matches!(self.source, Source::Transfer) {
+        if matches!(self.source, ReflectionSource::Transfer) {
             return self.by_transfer(lighting, basis, hit, direction);
         }
         let at = &self.at(lighting, basis, hit)?;
         let mut cost = LobeCost::default();
         // What is not blurred as wide as a sample is averaged over the samples of a pixel.
         let shift = match self.source {
-            Source::Rays | Source::Screen(..) => stream.square(),
-            Source::Transfer | Source::CubeMaps(_) => Vec2::ZERO,
+            ReflectionSource::Rays | ReflectionSource::Screen(..) => stream.square(),
+            ReflectionSource::Transfer | ReflectionSource::CubeMaps(_) => Vec2::ZERO,
         };
         let maps = self.cube_maps().map(|maps| maps.around(hit, direction, &mut cost));
         let radiance = conducted(hit, direction, shift, |to_light, solid_angle| {
@@ -185,18 +189,18 @@ impl Reflections {
                 }
             };
             match &self.source {
-                Source::Rays => {
+                ReflectionSource::Rays => {
                     let sky = || at.sky(to_light, solid_angle);
                     self.along_ray(relit, surfaces, hit, to_light, sky, stream)
                 }
-                Source::Screen(screen, _) => {
+                ReflectionSource::Screen(screen, _) => {
                     let found = screen.radiance(hit, to_light, surfaces.epsilon_at(hit.position), &mut cost);
                     found.unwrap_or_else(|| {
                         cost.fallbacks += 1;
                         far(&mut cost)
                     })
                 }
-                Source::Transfer | Source::CubeMaps(_) => far(&mut cost),
+                ReflectionSource::Transfer | ReflectionSource::CubeMaps(_) => far(&mut cost),
             }
         });
         self.tally.add(&cost);
@@ -211,7 +215,7 @@ impl Relit {
         scene: &BakedScene,
         surfaces: &impl Surfaces,
         way: &Way,
-        view: &View,
+        view: &ReflectionView,
     ) -> Self {
         self = self.with_gloss(scene);
         let reflections = self.reflections.take();

@@ -1,7 +1,7 @@
 //! Rays in the picture: a ray is followed over the pixels that the camera sees, a pixel a step, until it passes behind what is
 //! there (McGuire and Mara, *Efficient GPU Screen-Space Ray Tracing*, 2014). What the camera does not see is not found.
 
-use super::View;
+use super::ReflectionView;
 use super::cost::LobeCost;
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::Stream;
@@ -20,7 +20,7 @@ const NEAREST: f32 = 0.01;
 
 /// A visible surface.
 #[derive(Clone, Copy, Debug)]
-struct Pixel {
+struct ScreenPixel {
     /// Along the camera's axis; infinite without a surface.
     depth: f32,
     normal: Vec3,
@@ -31,25 +31,25 @@ struct Pixel {
 pub(super) struct Screen {
     frame: CameraFrame,
     size: [u32; 2],
-    pixels: Vec<Pixel>,
+    pixels: Vec<ScreenPixel>,
 }
 
 impl Screen {
     /// Takes the picture; `radiance` is that of a hit against a ray in a direction.
-    pub fn new<R>(view: &View, surfaces: &impl Surfaces, radiance: &R) -> Self
+    pub fn new<R>(view: &ReflectionView, surfaces: &impl Surfaces, radiance: &R) -> Self
     where
         R: Fn(&Hit, Vec3, &mut Stream) -> Vec3 + Sync,
     {
-        let View { frame, size: [width, height] } = *view;
+        let ReflectionView { frame, size: [width, height] } = *view;
         let pixel = |i: u32| {
             let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
             let direction = frame.direction(x, y, width, height);
             let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
             let Some(hit) = surfaces.see(&ray, i) else {
-                return Pixel { depth: f32::INFINITY, normal: Vec3::ZERO, radiance: Vec3::ZERO };
+                return ScreenPixel { depth: f32::INFINITY, normal: Vec3::ZERO, radiance: Vec3::ZERO };
             };
             let estimate = |sample| radiance(&hit, direction, &mut Stream::new(i.into(), sample));
-            Pixel {
+            ScreenPixel {
                 depth: (hit.position - frame.eye).dot(frame.forward),
                 normal: hit.geometric_normal,
                 radiance: (0..SAMPLES).map(estimate).sum::<Vec3>() / SAMPLES as f32,
@@ -69,7 +69,7 @@ impl Screen {
         (middle + scale * Vec2::new(from.dot(right), -from.dot(up)), depth)
     }
 
-    fn pixel(&self, at: Vec2) -> Option<&Pixel> {
+    fn pixel(&self, at: Vec2) -> Option<&ScreenPixel> {
         let [width, height] = self.size;
         let is_within = at.x >= 0.0 && at.y >= 0.0 && at.x < width as f32 && at.y < height as f32;
         is_within.then(|| &self.pixels[at.y as usize * width as usize + at.x as usize])

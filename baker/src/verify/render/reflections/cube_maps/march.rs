@@ -35,7 +35,7 @@ pub struct Distances {
 
 /// End of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
+pub struct RayEnd {
     /// Direction from the cube map's place, not of unit length.
     pub seen_from_map: Vec3,
     /// Distance from the ray's origin, scene units; infinite in the sky.
@@ -58,14 +58,14 @@ impl Distances {
     }
 
     /// Follows a ray of unit direction from a place, which is from that of the map; adds what is read to `steps`.
-    pub fn follow(&self, from: Vec3, direction: Vec3, steps: &mut u64) -> Met {
-        let way = Way::new(from, direction);
+    pub fn follow(&self, from: Vec3, direction: Vec3, steps: &mut u64) -> RayEnd {
+        let way = SeenRay::new(from, direction);
         if way.sine < RADIAL {
             // Seen end on.
             *steps += 1;
             let from_map = self.at(direction);
             let along = (from_map - from.dot(direction)).max(0.0);
-            return Met { seen_from_map: direction, along, from_map, is_sure: true };
+            return RayEnd { seen_from_map: direction, along, from_map, is_sure: true };
         }
         let angle = self.cube.angle();
         let count = ((way.whole / angle).ceil() as u32).clamp(1, MOST_STEPS);
@@ -88,7 +88,7 @@ impl Distances {
                 *steps += u64::from(HALVINGS);
                 let (seen_from_map, from_map) = (way.toward(high), self.at(way.toward(high)));
                 if way.distance(high) < from_map * (1.0 + THICK.0 + THICK.1 * angle) {
-                    return Met { seen_from_map, along: way.along(high), from_map, is_sure };
+                    return RayEnd { seen_from_map, along: way.along(high), from_map, is_sure };
                 }
                 // It passes behind an edge.
                 is_sure = false;
@@ -98,12 +98,12 @@ impl Distances {
         let from_map = self.at(direction);
         let along =
             if from_map.is_finite() { (from_map - from.dot(direction)).max(0.0) } else { f32::INFINITY };
-        Met { seen_from_map: direction, along, from_map, is_sure: is_sure && !was_behind }
+        RayEnd { seen_from_map: direction, along, from_map, is_sure: is_sure && !was_behind }
     }
 }
 
 /// A ray as it is seen from a cube map.
-struct Way {
+struct SeenRay {
     /// Distance of the ray's origin.
     start: f32,
     /// Unit vectors to the origin, and across it in the plane of the ray.
@@ -113,7 +113,7 @@ struct Way {
     sine: f32,
 }
 
-impl Way {
+impl SeenRay {
     fn new(from: Vec3, direction: Vec3) -> Self {
         let start = from.length();
         let first = from.try_normalize().unwrap_or(direction);

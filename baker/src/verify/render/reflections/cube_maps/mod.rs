@@ -21,10 +21,10 @@ use crate::random::Stream;
 use cube::Cube;
 use glam::{Vec3, Vec4};
 use levels::Levels;
-use march::{Distances, Met};
+use march::{Distances, RayEnd};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
-use room::Room;
+use room::ParallaxBox;
 
 /// Estimates of the light of a texel: light of area lamps is sampled.
 const SAMPLES: u64 = 4;
@@ -72,27 +72,27 @@ impl Default for CubeMapSettings {
 }
 
 /// What the texels of a map see, as a bake has it.
-struct Geometry {
+struct CubeMapGeometry {
     /// Local space.
     place: Vec3,
     hits: Vec<Option<Hit>>,
 }
 
 /// A map under the lights of a picture.
-struct Lit {
+struct LitCubeMap {
     place: Vec3,
     distances: Distances,
-    room: Room,
+    room: ParallaxBox,
     levels: Levels,
 }
 
 /// Cube maps of a scene under the lights of a picture.
 pub struct CubeMaps {
     settings: CubeMapSettings,
-    maps: Vec<Lit>,
+    maps: Vec<LitCubeMap>,
 }
 
-impl Geometry {
+impl CubeMapGeometry {
     fn new(cube: Cube, place: Vec3, surfaces: &impl Surfaces) -> Self {
         let cast = |texel: usize| {
             let direction = cube.direction(texel);
@@ -104,7 +104,7 @@ impl Geometry {
     }
 
     /// Lights a map; `radiance` is that of a hit against a ray.
-    fn lit<R>(&self, cube: Cube, radiance: &R) -> Lit
+    fn lit<R>(&self, cube: Cube, radiance: &R) -> LitCubeMap
     where
         R: Fn(&Hit, Vec3, &mut Stream) -> Vec3 + Sync,
     {
@@ -119,8 +119,8 @@ impl Geometry {
         let texels = (0..cube.len()).into_par_iter().map(of).collect();
         let distance = |hit: &Option<Hit>| hit.map_or(f32::INFINITY, |hit| hit.distance);
         let distances = Distances { cube, texels: self.hits.iter().map(distance).collect() };
-        let room = Room::fitted(&distances);
-        Lit { place: self.place, distances, room, levels: Levels::new(cube, texels) }
+        let room = ParallaxBox::fitted(&distances);
+        LitCubeMap { place: self.place, distances, room, levels: Levels::new(cube, texels) }
     }
 }
 
@@ -137,7 +137,7 @@ impl CubeMaps {
         R: Fn(&Hit, Vec3, &mut Stream) -> Vec3 + Sync,
     {
         let cube = Cube { side: settings.side.max(1).next_power_of_two() };
-        let lit = |place| Geometry::new(cube, place, surfaces).lit(cube, radiance);
+        let lit = |place| CubeMapGeometry::new(cube, place, surfaces).lit(cube, radiance);
         let places = places::places(scene, surfaces, settings.count, settings.lift);
         Self { settings: *settings, maps: places.into_iter().map(lit).collect() }
     }
@@ -153,19 +153,19 @@ impl CubeMaps {
     }
 
     /// Orders the maps for a hit.
-    pub(super) fn around<'a>(&'a self, hit: &Hit, direction: Vec3, cost: &mut LobeCost) -> Around<'a> {
-        let rank = |map: &'a Lit| {
+    pub(super) fn around<'a>(&'a self, hit: &Hit, direction: Vec3, cost: &mut LobeCost) -> NearMaps<'a> {
+        let rank = |map: &'a LitCubeMap| {
             let from = hit.position - map.place;
             let is_unseen = !map.distances.sees(from) || from.dot(hit.geometric_normal) > 0.0;
             (from.length() * if is_unseen { UNSEEN } else { 1.0 }, map)
         };
-        let mut ranked: Vec<(f32, &Lit)> = self.maps.iter().map(rank).collect();
+        let mut ranked: Vec<(f32, &LitCubeMap)> = self.maps.iter().map(rank).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         ranked.truncate(LOOKS);
         let angle = ranked.first().map_or(0.0, |(_, map)| map.distances.cube.angle());
         // Off the surface by a texel, so that rays do not end where they begin.
         let away = ranked.first().map_or(0.0, |(_, map)| map.place.distance(hit.position) * angle);
-        let mut around = Around {
+        let mut around = NearMaps {
             settings: &self.settings,
             maps: ranked.into_iter().map(|(_, map)| map).collect(),
             position: hit.position + hit.geometric_normal * away,
@@ -180,23 +180,23 @@ impl CubeMaps {
 }
 
 /// The maps near a hit, best first.
-pub(super) struct Around<'a> {
+pub(super) struct NearMaps<'a> {
     settings: &'a CubeMapSettings,
-    maps: Vec<&'a Lit>,
+    maps: Vec<&'a LitCubeMap>,
     position: Vec3,
     /// Map of the ray in the middle of the lobe, and how far that ray goes: all of the lobe is taken to be as far.
-    middle: Option<(&'a Lit, f32)>,
+    middle: Option<(&'a LitCubeMap, f32)>,
 }
 
-impl<'a> Around<'a> {
+impl<'a> NearMaps<'a> {
     /// Where a ray of unit direction ends, by the best map.
-    fn meet(&self, direction: Vec3, cost: &mut LobeCost) -> Option<(&'a Lit, Met)> {
+    fn meet(&self, direction: Vec3, cost: &mut LobeCost) -> Option<(&'a LitCubeMap, RayEnd)> {
         if let Some((map, along)) = self.middle {
             let place = self.position - map.place + along * direction;
             let is_far = !along.is_finite();
             let seen_from_map = if is_far { direction } else { place };
             let from_map = if is_far { f32::INFINITY } else { place.length() };
-            return Some((map, Met { seen_from_map, along, from_map, is_sure: true }));
+            return Some((map, RayEnd { seen_from_map, along, from_map, is_sure: true }));
         }
         let mut best = None;
         for map in &self.maps {
@@ -207,7 +207,7 @@ impl<'a> Around<'a> {
                 }
                 Correction::Box => map.room.meet(from, direction),
                 Correction::None => {
-                    Room { low: Vec3::NEG_INFINITY, high: Vec3::INFINITY }.meet(from, direction)
+                    ParallaxBox { low: Vec3::NEG_INFINITY, high: Vec3::INFINITY }.meet(from, direction)
                 }
             };
             if met.is_sure {

@@ -2,19 +2,19 @@
 //! (Lagarde and Zanuttini, *Local Image-based Lighting with Parallax-corrected Cubemaps*, 2012).
 
 use super::cube::Cube;
-use super::march::{Distances, Met};
+use super::march::{Distances, RayEnd};
 use glam::Vec3;
 
 /// Sides of a box along the axes, from the place of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room {
+pub struct ParallaxBox {
     /// Least corner; its coordinates are below 0, infinite towards the sky.
     pub low: Vec3,
     /// Greatest corner, likewise.
     pub high: Vec3,
 }
 
-impl Room {
+impl ParallaxBox {
     /// Fits a box: its sides are at the median of what the texels of each face see.
     pub fn fitted(distances: &Distances) -> Self {
         let Cube { side } = distances.cube;
@@ -30,7 +30,7 @@ impl Room {
     }
 
     /// End of a ray of unit direction from a place, which is from that of the map.
-    pub fn meet(&self, from: Vec3, direction: Vec3) -> Met {
+    pub fn meet(&self, from: Vec3, direction: Vec3) -> RayEnd {
         let from = from.clamp(self.low, self.high);
         let along = (0..3)
             .filter(|axis| direction[*axis] != 0.0)
@@ -41,7 +41,7 @@ impl Room {
             .fold(f32::INFINITY, f32::min);
         let place = if along.is_finite() { from + along * direction } else { direction };
         let from_map = if along.is_finite() { place.length() } else { f32::INFINITY };
-        Met { seen_from_map: place, along, from_map, is_sure: true }
+        RayEnd { seen_from_map: place, along, from_map, is_sure: true }
     }
 }
 
@@ -53,13 +53,13 @@ mod tests {
     #[test]
     fn in_a_box_rays_end_on_the_box_that_is_fitted() {
         let cube = Cube { side: 32 };
-        let room = Room { low: Vec3::new(-1.0, -0.5, -2.0), high: Vec3::new(3.0, 1.0, 1.5) };
+        let room = ParallaxBox { low: Vec3::new(-1.0, -0.5, -2.0), high: Vec3::new(3.0, 1.0, 1.5) };
         let distance = |i: usize| room.meet(Vec3::ZERO, cube.direction(i)).from_map;
         let distances = Distances { cube, texels: (0..cube.len()).map(distance).collect() };
         // Each side is the median of its face where it fills half of it.
-        let square = Room { low: Vec3::splat(-1.0), high: Vec3::splat(1.0) };
+        let square = ParallaxBox { low: Vec3::splat(-1.0), high: Vec3::splat(1.0) };
         let of = |i: usize| square.meet(Vec3::ZERO, cube.direction(i)).from_map;
-        let fitted = Room::fitted(&Distances { cube, texels: (0..cube.len()).map(of).collect() });
+        let fitted = ParallaxBox::fitted(&Distances { cube, texels: (0..cube.len()).map(of).collect() });
         assert!(fitted.low.distance(square.low) < 1e-4 && fitted.high.distance(square.high) < 1e-4);
         let mut stream = Stream::new(7, 0);
         for _ in 0..200 {
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn towards_the_sky_there_is_no_parallax() {
-        let room = Room { low: Vec3::splat(-1.0), high: Vec3::INFINITY };
+        let room = ParallaxBox { low: Vec3::splat(-1.0), high: Vec3::INFINITY };
         let direction = Vec3::new(0.1, 0.8, 0.2).normalize();
         let met = room.meet(Vec3::new(0.5, 0.5, 0.0), direction);
         assert_eq!((met.seen_from_map, met.along), (direction, f32::INFINITY));

@@ -2,11 +2,12 @@ use super::*;
 use crate::geometry::mesh::TriangleSurfaces;
 
 /// A map in the middle of a cube of edge 2 whose walls have a colour that is linear in the place.
-fn map(side: usize) -> Lit {
+fn map(side: usize) -> LitCubeMap {
     let scene = crate::io::load("builtin:furnace").unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let cube = Cube { side };
-    Geometry::new(cube, Vec3::ZERO, &surfaces).lit(cube, &|hit: &Hit, _, _: &mut Stream| colour(hit.position))
+    CubeMapGeometry::new(cube, Vec3::ZERO, &surfaces)
+        .lit(cube, &|hit: &Hit, _, _: &mut Stream| colour(hit.position))
 }
 
 fn colour(place: Vec3) -> Vec3 {
@@ -15,9 +16,9 @@ fn colour(place: Vec3) -> Vec3 {
 
 /// Greatest difference of what is found from the colour where rays end, of rays from everywhere that end `within` of the middle
 /// of a wall.
-fn worst(map: &Lit, correction: Correction, within: f32) -> f32 {
+fn worst(map: &LitCubeMap, correction: Correction, within: f32) -> f32 {
     let settings = CubeMapSettings { correction, ..CubeMapSettings::default() };
-    let walls = Room { low: Vec3::NEG_ONE, high: Vec3::ONE };
+    let walls = ParallaxBox { low: Vec3::NEG_ONE, high: Vec3::ONE };
     let mut stream = Stream::new(11, 0);
     let mut worst = 0.0f32;
     for _ in 0..1000 {
@@ -27,7 +28,7 @@ fn worst(map: &Lit, correction: Correction, within: f32) -> f32 {
         if end.to_array().iter().filter(|x| x.abs() > within).count() > 1 {
             continue;
         }
-        let around = Around { settings: &settings, maps: vec![map], position, middle: None };
+        let around = NearMaps { settings: &settings, maps: vec![map], position, middle: None };
         let mut cost = LobeCost::default();
         let found = around.radiance(direction, 0.0, || Vec3::ONE, &mut cost).unwrap();
         worst = worst.max(found.distance(colour(end)));
