@@ -6,7 +6,7 @@
 //! the ray's point P at angle φ from OX has the distance
 //!
 //! ```text
-//! |OP| = |OX| sin θ / sin(θ − φ),   |XP| = |OX| sin φ / sin(θ − φ)
+//! |OP| = |OX| sin θ / sin(θ − φ)
 //! ```
 
 use super::cube::Cube;
@@ -86,9 +86,12 @@ impl Distances {
                     if is_behind(middle).is_some() { high = middle } else { low = middle }
                 }
                 *steps += u64::from(HALVINGS);
-                let (seen_from_map, from_map) = (way.toward(high), self.at(way.toward(high)));
-                if way.distance(high) < from_map * (1.0 + THICK.0 + THICK.1 * angle) {
-                    return RayEnd { seen_from_map, along: way.along(high), from_map, is_sure };
+                let seen_from_map = way.toward(high);
+                let from_map = self.at(seen_from_map);
+                // Before the last halving the ray was before the surface, or the surface is not that one.
+                if way.distance(low) < from_map * (1.0 + THICK.0 + THICK.1 * angle) {
+                    let along = (from_map * seen_from_map - from).dot(direction).max(0.0);
+                    return RayEnd { seen_from_map, along, from_map, is_sure };
                 }
                 // It passes behind an edge.
                 is_sure = false;
@@ -138,12 +141,6 @@ impl SeenRay {
     fn distance(&self, phi: f32) -> f32 {
         let rest = self.rest(phi);
         if rest > 1e-5 { self.start * self.sine / rest } else { f32::INFINITY }
-    }
-
-    /// Distance along the ray at an angle.
-    fn along(&self, phi: f32) -> f32 {
-        let rest = self.rest(phi);
-        if rest > 1e-5 { self.start * phi.sine_cosine().0 / rest } else { f32::INFINITY }
     }
 }
 
