@@ -12,7 +12,7 @@ use rebounce_shared::relight;
 use std::f32::consts::TAU;
 
 /// The furnace, a closed box of albedo 0.5, whose walls are metals that shine with a radiance of 1.
-fn shining_furnace() -> Scene {
+pub fn shining_furnace() -> Scene {
     let mut scene = rebounce::io::load("builtin:furnace").unwrap();
     for material in &mut scene.materials {
         (material.metallic, material.roughness) = (1.0, 0.4);
@@ -22,7 +22,7 @@ fn shining_furnace() -> Scene {
     scene
 }
 
-fn baked(transfer: Transfer) -> (BakedScene, BakeReport) {
+pub fn baked(transfer: Transfer) -> (BakedScene, BakeReport) {
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.levels = 4;
     settings.place.functions = 4000;

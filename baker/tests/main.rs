@@ -34,6 +34,7 @@ mod materials;
 mod open;
 mod pairwise;
 mod points;
+mod reflections;
 mod resume;
 mod simplify;
 mod size;

@@ -98,9 +98,17 @@ pub fn sample(alpha: f32, to_eye: Vec3, square: Vec2) -> LobeSample {
 /// Returns sample `i` of [`LOBE_SAMPLES`] of a lobe: evenly spread over it, the same for all pictures.
 #[inline]
 pub fn lobe(alpha: f32, to_eye: Vec3, i: u32) -> LobeSample {
+    shifted_lobe(alpha, to_eye, i, Vec2::ZERO)
+}
+
+/// As [`lobe`], with the places of the unit square shifted round (Cranley and Patterson 1976): a random shift for each lobe
+/// makes the mean of many exact.
+#[inline]
+pub fn shifted_lobe(alpha: f32, to_eye: Vec3, i: u32, shift: Vec2) -> LobeSample {
     const GOLDEN: f32 = 0.618_034;
     let i = i as f32;
-    sample(alpha, to_eye, Vec2::new((i * GOLDEN).fract(), (i + 0.5) / LOBE_SAMPLES as f32))
+    let place = Vec2::new(i * GOLDEN, (i + 0.5) / LOBE_SAMPLES as f32);
+    sample(alpha, to_eye, (place + shift).fract())
 }
 
 /// Factor that gives back what a rough surface scatters more than once, for a reflectance `head_on` at normal incidence and

@@ -20,13 +20,13 @@
 use crate::baked::BakedScene;
 use crate::environment::reflection::ReflectedSky;
 use crate::footprint::tangents;
-use crate::ggx::{LOBE_SAMPLES, alpha, lobe, multiple_scattering};
+use crate::ggx::{LOBE_SAMPLES, alpha, multiple_scattering, shifted_lobe};
 use crate::harmonics::zonal::of_mean_length;
 use crate::harmonics::{COUNT, Coefficients, band, evaluate, value};
 use crate::lighting::Lighting;
 use crate::rbn::gloss::{Gloss, GlossLayout, NO_MATRIX};
 use crate::rbn::gloss_links::GlossLink;
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Coefficients of arriving radiance, RGB, and of visibility.
 pub type Arriving = [Vec4; COUNT];
@@ -229,6 +229,47 @@ impl LobeLight {
     }
 }
 
+/// Integrates radiance over the GGX lobe of a surface with this roughness and unit normal, seen from the unit direction
+/// `to_eye`: `radiance` takes a unit direction, and the solid angle that its sample stands for. `shift` moves the samples
+/// ([`shifted_lobe`]). All in world space.
+pub fn over_lobe(
+    roughness: f32,
+    normal: Vec3,
+    to_eye: Vec3,
+    shift: Vec2,
+    mut radiance: impl FnMut(Vec3, f32) -> Vec3,
+) -> LobeLight {
+    let alpha = alpha(roughness);
+    // A frame that the eye lies in: samples turn evenly over a round surface, without a seam.
+    let upright = to_eye.dot(normal);
+    let across = to_eye - upright * normal;
+    let first = across.try_normalize().unwrap_or(tangents(normal).0);
+    let second = normal.cross(first);
+    let in_frame = Vec3::new(across.length(), 0.0, upright.max(1e-3)).normalize();
+    let mut out = LobeLight::default();
+    for i in 0..LOBE_SAMPLES {
+        let sample = shifted_lobe(alpha, in_frame, i, shift);
+        if sample.weight <= 0.0 {
+            continue;
+        }
+        let l = sample.to_light;
+        let direction = first * l.x + second * l.y + normal * l.z;
+        let radiance = radiance(direction, 1.0 / (LOBE_SAMPLES as f32 * sample.density));
+        out.radiance += radiance * sample.weight;
+        let glancing = (1.0 - sample.cosine).max(0.0).powi(5);
+        out.glancing += radiance * (sample.weight * glancing);
+        out.shares[0] += sample.weight;
+        out.shares[1] += sample.weight * glancing;
+    }
+    let share = 1.0 / LOBE_SAMPLES as f32;
+    let LobeLight { radiance, glancing, shares } = out;
+    LobeLight {
+        radiance: radiance * share,
+        glancing: glancing * share,
+        shares: shares.map(|sum| sum * share),
+    }
+}
+
 impl GlossyField {
     /// Integrates arriving light over the GGX lobe of a surface with this roughness and unit normal, seen from the unit
     /// direction `to_eye`, under `skies`. All in world space.
@@ -240,40 +281,23 @@ impl GlossyField {
         normal: Vec3,
         to_eye: Vec3,
     ) -> LobeLight {
-        let alpha = alpha(roughness);
-        // A frame that the eye lies in: samples turn evenly over a round surface, without a seam.
-        let upright = to_eye.dot(normal);
-        let across = to_eye - upright * normal;
-        let first = across.try_normalize().unwrap_or(tangents(normal).0);
-        let second = normal.cross(first);
-        let in_frame = Vec3::new(across.length(), 0.0, upright.max(1e-3)).normalize();
-        let mut out = LobeLight::default();
-        for i in 0..LOBE_SAMPLES {
-            let sample = lobe(alpha, in_frame, i);
-            if sample.weight <= 0.0 {
-                continue;
-            }
-            let l = sample.to_light;
-            let direction = first * l.x + second * l.y + normal * l.z;
-            let solid_angle = 1.0 / (LOBE_SAMPLES as f32 * sample.density);
-            let y = evaluate(direction);
-            let low: Vec4 = y.iter().zip(arriving).map(|(y, c)| *c * *y).sum();
-            let seen: Vec3 = skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum();
-            let smooth = self.smooth.as_ref().map(|sky| value(sky, direction)).unwrap_or_default();
-            let visibility = low.w.clamp(0.0, 1.0);
-            let radiance = (low.truncate() + (seen - smooth) * visibility).max(Vec3::ZERO);
-            out.radiance += radiance * sample.weight;
-            let glancing = (1.0 - sample.cosine).max(0.0).powi(5);
-            out.glancing += radiance * (sample.weight * glancing);
-            out.shares[0] += sample.weight;
-            out.shares[1] += sample.weight * glancing;
-        }
-        let share = 1.0 / LOBE_SAMPLES as f32;
-        let LobeLight { radiance, glancing, shares } = out;
-        LobeLight {
-            radiance: radiance * share,
-            glancing: glancing * share,
-            shares: shares.map(|sum| sum * share),
-        }
+        let radiance = |direction, solid_angle| self.radiance(arriving, skies, direction, solid_angle);
+        over_lobe(roughness, normal, to_eye, Vec2::ZERO, radiance)
+    }
+
+    /// Radiance that arrives from a unit direction of world space, over about this solid angle, sr.
+    pub fn radiance(
+        &self,
+        arriving: &Arriving,
+        skies: &[ReflectedSky<'_>],
+        direction: Vec3,
+        solid_angle: f32,
+    ) -> Vec3 {
+        let y = evaluate(direction);
+        let low: Vec4 = y.iter().zip(arriving).map(|(y, c)| *c * *y).sum();
+        let seen: Vec3 = skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum();
+        let smooth = self.smooth.as_ref().map(|sky| value(sky, direction)).unwrap_or_default();
+        let visibility = low.w.clamp(0.0, 1.0);
+        (low.truncate() + (seen - smooth) * visibility).max(Vec3::ZERO)
     }
 }

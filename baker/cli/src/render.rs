@@ -3,9 +3,11 @@
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use super::read_baked;
 use anyhow::{Context, Result};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
+use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapSettings};
+use rebounce::verify::render::reflections::{ReflectionView, Way};
 use rebounce::verify::render::{Relit, packed_environment};
 use rebounce_shared::light::LightKind;
 use rebounce_shared::lighting::Lighting;
@@ -28,6 +30,80 @@ pub struct RenderArgs {
     /// Leaves out detail finer than the functions: bounced light is interpolated between the points alone
     #[arg(long)]
     no_detail: bool,
+    /// What metals reflect, in a shot with gloss
+    #[arg(long, value_enum, default_value = "transfer")]
+    reflections: ReflectionsArg,
+    /// Number of cube maps, and texels along an edge of their faces
+    #[arg(long, value_name = "COUNTxSIDE", value_parser = parse_cube_maps, default_value = "16x32")]
+    cube_maps: (usize, usize),
+}
+
+/// What metals reflect.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ReflectionsArg {
+    /// The file's glossy transfer, as the page does
+    Transfer,
+    /// What rays find, one for each sample of a lobe
+    Rays,
+    /// Cube maps, corrected by depth
+    CubeMaps,
+    /// As cube-maps, and the transfer where no map is sure
+    CubeMapsTransfer,
+    /// Cube maps, corrected by the depth in the middle of each lobe
+    CubeMapsMiddle,
+    /// Cube maps, corrected by a box around each
+    Boxes,
+    /// Cube maps of what is taken to be far away
+    Far,
+    /// What rays in the picture find, and the transfer where they find nothing
+    Screen,
+    /// As screen, with cube maps corrected by depth in place of the transfer
+    ScreenCubeMaps,
+}
+
+impl ReflectionsArg {
+    fn way(self, (count, side): (usize, usize)) -> Way {
+        let maps = CubeMapSettings { count, side, ..CubeMapSettings::default() };
+        match self {
+            Self::Transfer => Way::Transfer,
+            Self::Rays => Way::Rays,
+            Self::CubeMaps => Way::CubeMaps(maps),
+            Self::CubeMapsTransfer => Way::CubeMaps(CubeMapSettings { with_transfer: true, ..maps }),
+            Self::CubeMapsMiddle => {
+                Way::CubeMaps(CubeMapSettings { correction: Correction::MiddleDepth, ..maps })
+            }
+            Self::Boxes => Way::CubeMaps(CubeMapSettings { correction: Correction::Box, ..maps }),
+            Self::Far => Way::CubeMaps(CubeMapSettings { correction: Correction::None, ..maps }),
+            Self::Screen => Way::Screen(None),
+            Self::ScreenCubeMaps => Way::Screen(Some(maps)),
+        }
+    }
+}
+
+fn parse_cube_maps(text: &str) -> Result<(usize, usize), String> {
+    let number = |part: &str, most: usize| part.trim().parse().ok().filter(|n| (1..=most).contains(n));
+    text.split_once(['x', 'X'])
+        .and_then(|(count, side)| Some((number(count, 256)?, number(side, 256)?)))
+        .filter(|(_, side)| side.is_power_of_two())
+        .ok_or_else(|| "give count x side, to 256, the side a power of two, as in 16x32".to_owned())
+}
+
+/// Says what the reflections of a picture cost.
+fn report(relit: &Relit) {
+    let cost = relit.reflection_cost();
+    if cost.samples > 0 {
+        let each = |n: u64| n as f64 / cost.samples as f64;
+        eprintln!(
+            "reflections: {} lobes of {:.1} samples, {:.1} steps a sample, {:.1}% not sure",
+            cost.lobes,
+            cost.samples as f64 / cost.lobes as f64,
+            each(cost.steps),
+            100.0 * each(cost.fallbacks)
+        );
+    }
+    if let Some(maps) = relit.cube_maps() {
+        eprintln!("cube maps: {} texels, {} bytes before compression", maps.texels(), maps.bytes());
+    }
 }
 
 /// Runs the command.
@@ -54,11 +130,17 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
     let relit = Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions);
-    let relit = if shot.gloss { relit.with_gloss(&scene) } else { relit };
+    let frame = shot.camera.frame(scene.meta.origin);
+    let relit = if shot.gloss {
+        let way = args.reflections.way(args.cube_maps);
+        relit.with_reflections(&scene, &with_lights, &way, &ReflectionView { frame, size: exposure.size })
+    } else {
+        relit
+    };
     let only = args.picture.only();
     let picture = relit.picture(&scene, &with_lights, &shot.camera, exposure, only, || rows.done());
     rows.finish();
-    let frame = shot.camera.frame(scene.meta.origin);
+    report(&relit);
     let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
     // The sky counts for the exposure.
     let skies = shot.lights.iter().filter(|light| light.kind() == LightKind::Environment);

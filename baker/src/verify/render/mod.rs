@@ -6,7 +6,7 @@
 //! with albedo / π.
 
 pub mod backdrop;
-mod gloss;
+pub mod reflections;
 pub mod shown;
 pub mod unlit;
 
@@ -21,7 +21,6 @@ use crate::random::Stream;
 use crate::sampling::open_share;
 use crate::verify::expose::{Exposure, expose};
 use glam::Vec3;
-use gloss::Reflections;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
@@ -35,6 +34,7 @@ use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::radiosity::solver::Scene;
 use rebounce_shared::radiosity::{Accelerator, ClippedFunctions, RadiositySettings, solve};
 use rebounce_shared::relight::{self, GroupIrradiance};
+use reflections::Reflections;
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
@@ -292,7 +292,7 @@ impl Relit {
         stream: &mut Stream,
     ) -> Option<Vec3> {
         let reflections = self.reflections.as_ref().filter(|_| only == Only::All && hit.gloss.is_metal())?;
-        let around = reflections.of_metal(&self.lighting, &self.basis, hit, ray.direction)?;
+        let around = reflections.of_metal(self, surfaces, hit, ray.direction, stream)?;
         let bsdf = Bsdf::new(hit, -ray.direction, true);
         let weigh = |irradiance, to_light| irradiance * bsdf.reflectance(to_light);
         Some(around + direct::toward_hit_with(surfaces, &self.lighting.lamps, hit, stream, weigh))
