@@ -151,7 +151,7 @@ enum Written {
     Groups(FromGroups),
     /// Of a file for an environment.
     #[cfg(feature = "radiosity")]
-    Transfer(FromTransfer),
+    Transfer(Box<FromTransfer>),
 }
 
 impl Written {
@@ -159,7 +159,7 @@ impl Written {
     fn of(scene: &BakedScene) -> Option<Self> {
         #[cfg(feature = "radiosity")]
         if scene.is_for_environment() {
-            return Some(Self::Transfer(FromTransfer::new(scene)));
+            return Some(Self::Transfer(Box::new(FromTransfer::new(scene))));
         }
         scene.is_solved().then(|| Self::Groups(FromGroups::new(scene)))
     }
