@@ -58,14 +58,14 @@ fn the_version_is_told_everywhere() {
 }
 
 #[test]
-fn help_begins_with_eight_everyday_options_and_has_the_rest_in_groups() {
+fn help_begins_with_nine_everyday_options_and_has_the_rest_in_groups() {
     let everyday =
-        ["output", "preset", "target-error", "shot", "viewpoint", "max-bytes", "preview", "resume"];
+        ["output", "preset", "target-error", "for", "shot", "viewpoint", "max-bytes", "preview", "resume"];
     let (short, long) = (done(&["bake", "-h"]), done(&["bake", "--help"]));
     for help in [&short, &long] {
         let options = options(help, "Options");
-        assert_eq!(options[..8], everyday, "{help}");
-        assert!(options[8..].iter().all(|name| ["help", "version"].contains(&name.as_str())), "{options:?}");
+        assert_eq!(options[..9], everyday, "{help}");
+        assert!(options[9..].iter().all(|name| ["help", "version"].contains(&name.as_str())), "{options:?}");
     }
     for (heading, name) in [
         ("The scene's file", "albedo"),
