@@ -71,9 +71,10 @@ pub fn section(folder: &Path) -> Result<String> {
         writeln!(pictures, "\n![{0}: path traced, ours, difference](gloss/{0}.png)", case.name)?;
     }
     Ok(format!(
-        "## Scenes\n\nAll light with `\"gloss\": true`, `standard`, 320 x 180 pixels. References of the statue are Mitsuba's,\n\
-         the others two pictures of our path tracer with {PATHS} samples a pixel. *For*: `--for` of the bake.\n\
-         The country kitchen is by Jay-Artist, CC BY 3.0; the statue is the Stanford bunny.\n\n\
+        "## Scenes\n\nAll light with `\"gloss\": true`, `standard`, 320 x 180 pixels. All pixels count, those of the sky\n\
+         behind an object too, which agree. References of the statue are Mitsuba's, the others two pictures of\n\
+         our path tracer with {PATHS} samples a pixel. *For*: `--for` of the bake. The country kitchen is by\n\
+         Jay-Artist, CC BY 3.0; the statue is the Stanford bunny.\n\n\
          | shot | for | MB | error | bias |\n|---|---|---|---|---|\n{rows}{pictures}"
     ))
 }
