@@ -117,8 +117,11 @@ impl FromSources {
     }
 }
 
-/// As `tilt_pack` of tilt.wgsl; never 0 for a unit vector.
-pub(super) fn packed(direction: Vec3) -> f32 {
-    let steps = (direction / 2.0 * 127.0).round() + 128.0;
+/// Greatest component of a tilt, as in tilt.wgsl.
+const STEEPEST: Vec3 = Vec3::splat(2.0);
+
+/// As `tilt_pack` of tilt.wgsl; never 0.
+pub(super) fn packed(tilt: Vec3) -> f32 {
+    let steps = (tilt.clamp(-STEEPEST, STEEPEST) / STEEPEST * 127.0).round() + 128.0;
     steps.dot(Vec3::new(1.0, 256.0, 65536.0))
 }

@@ -6,11 +6,7 @@ use super::from_sources::packed;
 use crate::gpu::Gpu;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::diffuse_transfer::{DistantLight, Received, TransferField};
-use rebounce_shared::glam::Vec3;
 use std::cell::{Cell, RefCell};
-
-/// Greatest component of a tilt (tilt.wgsl).
-const STEEPEST: f32 = 2.0;
 
 /// Transfer of a scene, and the light that it was last applied to.
 pub(super) struct FromTransfer {
@@ -47,11 +43,9 @@ impl FromTransfer {
         let Some((light, _)) = &asked else { return };
         let received = self.field.irradiance(light);
         let tilts = if self.is_bumpy { self.field.tilts(light, &received) } else { Vec::new() };
-        let steepest = Vec3::splat(STEEPEST);
         let row = |(i, Received { direct, bounced }): (usize, &Received)| {
             let shown = *direct * f32::from(parts.from_sources) + *bounced * f32::from(parts.bounced);
-            let tilt = tilts.get(i).copied().unwrap_or_default();
-            shown.extend(packed(tilt.clamp(-steepest, steepest)))
+            shown.extend(packed(tilts.get(i).copied().unwrap_or_default()))
         };
         let rows: Vec<_> = received.iter().enumerate().map(row).collect();
         gpu.queue.write_buffer(display, 0, bytemuck::cast_slice(&rows));
