@@ -50,7 +50,8 @@ The first transfer, which is the default: it has the least error wherever errors
 at roughness 0.7 too, and sections of half the size. Components are what bytes are best spent on up
 to 24, the default: packing still loses two fifths of a matrix there, but twice as many cost twice
 the bytes for what the intervals hardly tell. ε_T of 0.25 computes more matrices for nothing; 1
-computes half of them, and is the choice where bytes or seconds count more than a tenth of the error.";
+computes half of them, and is the choice where bytes or seconds count more than a tenth of the
+error.";
 
 #[derive(Clone, Copy, PartialEq)]
 enum Transfer {

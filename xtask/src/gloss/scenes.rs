@@ -72,8 +72,8 @@ pub fn section(folder: &Path) -> Result<String> {
     }
     Ok(format!(
         "## Scenes\n\nAll light with `\"gloss\": true`, `standard`, 320 x 180 pixels. All pixels count, those of the sky\n\
-         behind an object too, which agree. References of the statue are Mitsuba's, the others two pictures of\n\
-         our path tracer with {PATHS} samples a pixel. *For*: `--for` of the bake. The country kitchen is by\n\
+         behind an object too, which agree. References of the statue are Mitsuba's, the others two pictures\n\
+         of our path tracer with {PATHS} samples a pixel. *For*: `--for` of the bake. The country kitchen is by\n\
          Jay-Artist, CC BY 3.0; the statue is the Stanford bunny.\n\n\
          | shot | for | MB | error | bias |\n|---|---|---|---|---|\n{rows}{pictures}"
     ))
