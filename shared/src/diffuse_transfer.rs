@@ -15,8 +15,8 @@
 //! irradiances, and a point adds those up.
 
 use crate::baked::BakedScene;
-use crate::harmonics::zonal::COSINE;
-use crate::harmonics::{COUNT, Coefficients, band, evaluate};
+use crate::harmonics::zonal::{COSINE, convolved};
+use crate::harmonics::{COUNT, Coefficients, band, evaluate, value};
 use crate::interpolation::{Entry, Rows, mean};
 use crate::lighting::Lighting;
 use crate::rbn::diffuse_transfer::{DiffuseTransfer, FROM_GROUP, FROM_SKY, has_own};
@@ -36,11 +36,8 @@ pub struct DistantLight {
 impl DistantLight {
     /// Projects the light of a picture.
     pub fn new(lighting: &Lighting) -> Self {
-        Self {
-            sky: lighting.sky_coefficients(),
-            all: lighting.distant_coefficients(),
-            emission: lighting.emission.clone(),
-        }
+        let sky = lighting.sky_coefficients();
+        Self { all: lighting.with_directional_lamps(sky), sky, emission: lighting.emission.clone() }
     }
 
     /// Whether nothing shines.
@@ -121,19 +118,8 @@ impl TransferField {
     pub fn irradiance(&self, light: &DistantLight) -> Vec<Received> {
         let transfer = &self.transfer;
         let packed = transfer.packed();
-        let components = transfer.layout.components as usize;
-        let mut lit = Vec::with_capacity(packed.clusters() * (1 + components));
-        let mut vector = Vec::with_capacity(transfer.layout.dimensions());
-        for cluster in 0..packed.clusters() {
-            for number in 0..=components {
-                vector.clear();
-                vector.extend(packed.vector(cluster, number));
-                lit.push(applied(&vector, light));
-            }
-        }
-        // Coefficients of an open point: the lobe has none of band 3.
-        let mut lobe = light.sky;
-        lobe.iter_mut().enumerate().for_each(|(i, c)| *c *= COSINE[band(i)]);
+        let lit = packed.map(|vector| applied(vector, light));
+        let open = convolved(&light.sky, &COSINE);
         let push = Rows { offsets: &self.offsets, entries: &self.parents };
         let mut hidden: Vec<Received> = Vec::with_capacity(self.len());
         let mut own = 0;
@@ -141,9 +127,7 @@ impl TransferField {
             let parents = mean(push.row(i), Received::default(), |parent| hidden[parent]);
             let mut sum = parents.unwrap_or_default();
             if has_own(*cluster) {
-                let cluster = usize::from(*cluster);
-                let weights = std::iter::once(1.0).chain(packed.weights_of(own, cluster));
-                for (lit, weight) in lit[cluster * (1 + components)..].iter().zip(weights) {
+                for (lit, weight) in packed.terms(own, usize::from(*cluster), &lit) {
                     sum = sum + *lit * weight;
                 }
                 own += 1;
@@ -151,8 +135,7 @@ impl TransferField {
             hidden.push(sum);
         }
         for (received, normal) in hidden.iter_mut().zip(&self.normals) {
-            let open: Vec3 = evaluate(*normal).iter().zip(&lobe).map(|(y, c)| *c * *y).sum();
-            received.direct = (received.direct + open).max(Vec3::ZERO);
+            received.direct = (received.direct + value(&open, *normal)).max(Vec3::ZERO);
             received.bounced = received.bounced.max(Vec3::ZERO);
         }
         hidden

@@ -59,8 +59,8 @@ impl GlossyField {
             return Self::default();
         }
         let sky = &distant_light(&gloss.layout, lighting);
-        let lit: Vec<Arriving> = lit_vectors(gloss, sky);
-        let count = 1 + gloss.layout.components as usize;
+        let packed = gloss.packed();
+        let lit = packed.map(|vector| lit_vector(vector, sky));
         let mut places = vec![u32::MAX; scene.points.len()];
         let mut arriving: Vec<Arriving> = Vec::with_capacity(gloss.points.len());
         let light = SenderLight::new(scene, lighting, sent);
@@ -72,9 +72,7 @@ impl GlossyField {
                 own.iter_mut().zip(linked).for_each(|(own, linked)| *own = linked.extend(own.w));
             }
             if *cluster != NO_MATRIX {
-                let cluster = usize::from(*cluster);
-                let weights = std::iter::once(1.0).chain(gloss.weights_of(matrix, cluster));
-                for (vector, weight) in lit[cluster * count..].iter().zip(weights) {
+                for (vector, weight) in packed.terms(matrix, usize::from(*cluster), &lit) {
                     own.iter_mut().zip(vector).for_each(|(sum, c)| *sum += *c * weight);
                 }
                 matrix += 1;
@@ -170,18 +168,8 @@ fn parents_mean(scene: &BakedScene, point: usize, places: &[u32], arriving: &[Ar
     if total > 0.0 { sum.map(|c| c / total) } else { DARK }
 }
 
-/// The vectors of all clusters under distant radiance: what arrives for a weight of 1.
-pub fn lit_vectors(gloss: &Gloss, sky: &Coefficients) -> Vec<Arriving> {
-    let count = 1 + gloss.layout.components as usize;
-    let of = |i: usize| {
-        let vector: Vec<f32> = gloss.vector(i / count, i % count).collect();
-        lit_vector(&vector, sky)
-    };
-    (0..gloss.layout.clusters() * count).map(of).collect()
-}
-
 /// A vector of a cluster under distant radiance.
-pub fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
+fn lit_vector(vector: &[f32], sky: &Coefficients) -> Arriving {
     let (matrices, visibility) = vector.split_at(vector.len() - COUNT);
     let (rows, _) = matrices.as_chunks::<COUNT>();
     std::array::from_fn(|i| {

@@ -139,7 +139,12 @@ impl Lighting {
     /// As [`Self::sky_coefficients`], with the light of suns and other directional lamps.
     #[cfg(feature = "radiosity")]
     pub fn distant_coefficients(&self) -> Coefficients {
-        let mut sum = self.sky_coefficients();
+        self.with_directional_lamps(self.sky_coefficients())
+    }
+
+    /// Adds the light of suns and other directional lamps to coefficients.
+    #[cfg(feature = "radiosity")]
+    pub fn with_directional_lamps(&self, mut sum: Coefficients) -> Coefficients {
         for lamp in self.lamps.iter().filter(|lamp| lamp.kind == LightKind::Directional) {
             sum.iter_mut().zip(evaluate(-lamp.direction)).for_each(|(sum, y)| *sum += lamp.intensity * y);
         }

@@ -6,7 +6,7 @@ use rebounce_shared::diffuse_transfer::{DistantLight, TransferField};
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::harmonics::COUNT;
 use rebounce_shared::link::Link;
-use rebounce_shared::rbn::clustered::{MAX_COMPONENTS, NO_CLUSTER};
+use rebounce_shared::rbn::clustered::{ClusterScales, MAX_COMPONENTS, NO_CLUSTER};
 use rebounce_shared::rbn::diffuse_transfer::{DiffuseTransfer, TransferLayout};
 use rebounce_shared::rbn::light_groups::{GroupValue, LightGroup, LightGroups};
 use rebounce_shared::rbn::{DIFFUSE_SECTIONS, LinkMatrix, container};
@@ -20,9 +20,11 @@ fn object() -> BakedScene {
     scene.meta.later_levels = 0;
     let layout = TransferLayout {
         groups: 0,
-        components: 1,
-        vector_scales: vec![0.5, 0.25, 1.0, 0.125],
-        weight_scales: vec![2.0, 0.0],
+        scales: ClusterScales {
+            components: 1,
+            vectors: vec![0.5, 0.25, 1.0, 0.125],
+            weights: vec![2.0, 0.0],
+        },
     };
     let vectors = (0..4 * layout.dimensions()).map(|i| (i * i % 251) as u8).collect();
     let clusters = vec![1, NO_CLUSTER];
@@ -60,11 +62,11 @@ fn diffuse_transfer_that_does_not_fit_is_refused() {
     type Break = fn(&mut BakedScene);
     let breaks: [(&str, Break); 15] = [
         ("DTLY", |s| s.diffuse_transfer.layout.groups = 1),
-        ("DTLY", |s| s.diffuse_transfer.layout.components = MAX_COMPONENTS as u32 + 1),
-        ("DTLY", |s| s.diffuse_transfer.layout.components = 2),
-        ("DTLY", |s| s.diffuse_transfer.layout.vector_scales[1] = f32::NAN),
-        ("DTLY", |s| s.diffuse_transfer.layout.weight_scales[0] = f32::INFINITY),
-        ("DTLY", |s| s.diffuse_transfer.layout.weight_scales.truncate(1)),
+        ("DTLY", |s| s.diffuse_transfer.layout.scales.components = MAX_COMPONENTS as u32 + 1),
+        ("DTLY", |s| s.diffuse_transfer.layout.scales.components = 2),
+        ("DTLY", |s| s.diffuse_transfer.layout.scales.vectors[1] = f32::NAN),
+        ("DTLY", |s| s.diffuse_transfer.layout.scales.weights[0] = f32::INFINITY),
+        ("DTLY", |s| s.diffuse_transfer.layout.scales.weights.truncate(1)),
         ("DTLY", |s| s.links = LinkMatrix::from_rows(&[vec![Link::pack(0, 0.5)], Vec::new()])),
         ("DTLY", |s| {
             s.light_groups = LightGroups {

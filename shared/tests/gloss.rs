@@ -2,6 +2,7 @@
 
 use crate::rules::scene;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::rbn::clustered::ClusterScales;
 use rebounce_shared::rbn::gloss::{Gloss, GlossLayout, MAX_COMPONENTS, NO_MATRIX};
 use rebounce_shared::rbn::{GLOSS_SECTIONS, container};
 
@@ -12,9 +13,11 @@ fn shining() -> BakedScene {
         has_direct: false,
         roughness: [0.9, 0.35],
         channels: 3,
-        components: 1,
-        vector_scales: vec![0.5, 0.25, 1.0, 0.125],
-        weight_scales: vec![2.0, 0.0],
+        scales: ClusterScales {
+            components: 1,
+            vectors: vec![0.5, 0.25, 1.0, 0.125],
+            weights: vec![2.0, 0.0],
+        },
         emission: Vec::new(),
     };
     let vectors = (0..4 * layout.dimensions()).map(|i| (i * i % 251) as u8).collect();
@@ -67,17 +70,17 @@ fn glossy_transfer_that_does_not_fit_is_refused() {
         ("GLBS", |g| g.layout.channels = 0),
         ("GLSY", |g| g.layout.channels = 2),
         ("GLSY", |g| g.layout.channels = u32::MAX),
-        ("GLSY", |g| g.layout.components = MAX_COMPONENTS as u32 + 1),
-        ("GLSY", |g| g.layout.components = 2),
-        ("GLSY", |g| g.layout.components = 0),
-        ("GLSY", |g| g.layout.vector_scales[1] = f32::NAN),
-        ("GLSY", |g| g.layout.vector_scales[3] = f32::INFINITY),
-        ("GLSY", |g| g.layout.weight_scales[0] = f32::NEG_INFINITY),
-        ("GLSY", |g| g.layout.vector_scales.truncate(3)),
-        ("GLSY", |g| g.layout.weight_scales.truncate(1)),
+        ("GLSY", |g| g.layout.scales.components = MAX_COMPONENTS as u32 + 1),
+        ("GLSY", |g| g.layout.scales.components = 2),
+        ("GLSY", |g| g.layout.scales.components = 0),
+        ("GLSY", |g| g.layout.scales.vectors[1] = f32::NAN),
+        ("GLSY", |g| g.layout.scales.vectors[3] = f32::INFINITY),
+        ("GLSY", |g| g.layout.scales.weights[0] = f32::NEG_INFINITY),
+        ("GLSY", |g| g.layout.scales.vectors.truncate(3)),
+        ("GLSY", |g| g.layout.scales.weights.truncate(1)),
         ("GLSY", |g| {
-            g.layout.vector_scales = vec![1.0; 2 * usize::from(NO_MATRIX)];
-            g.layout.weight_scales = vec![1.0; usize::from(NO_MATRIX)];
+            g.layout.scales.vectors = vec![1.0; 2 * usize::from(NO_MATRIX)];
+            g.layout.scales.weights = vec![1.0; usize::from(NO_MATRIX)];
         }),
         ("GLPT", |g| g.points = vec![1, 0]),
         ("GLPT", |g| g.points = vec![1, 1]),

@@ -4,14 +4,10 @@
 
 use crate::common;
 
-use common::{difference, radiance};
+use common::{conductors, difference, radiance};
 use glam::Vec3;
 use rebounce::bake::bake;
-use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::io::picture::Only;
 use rebounce::transport::gloss::{GlossSettings, Transfer};
-use rebounce::verify::expose::Exposure;
-use rebounce::verify::render::Relit;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_tests::small::settings;
@@ -25,14 +21,6 @@ fn trophy(transfer: Transfer) -> BakedScene {
     let file = bake(&rebounce::io::load("builtin:trophy").unwrap(), &settings, &()).unwrap().0;
     assert!(!file.gloss.is_empty());
     BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap()
-}
-
-/// Radiance of the CPU, with metals as conductors.
-fn truth(scene: &BakedScene, lights: &[Light]) -> Vec<Vec3> {
-    let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
-    let relit = Relit::new(scene, &surfaces, lights, false).with_gloss(scene);
-    let exposure = Exposure { size: SIZE, samples: 64, seed: 5 };
-    relit.picture(scene, &surfaces, &scene.meta.cameras[0], exposure, Only::All, || ()).pixels
 }
 
 fn sky(rotation_deg: f64) -> Light {
@@ -51,7 +39,7 @@ fn reflections_are_those_of_the_cpu() {
         let mut seen: Vec<Vec<Vec3>> = Vec::new();
         for lights in [vec![sky(0.0)], vec![sky(140.0)], vec![sky(140.0), lamp]] {
             renderer.set_lights(lights.clone()).unwrap();
-            let truth = truth(&scene, &lights);
+            let truth = conductors(&scene, &lights, SIZE);
             let (error, bias) = difference(&radiance(&mut renderer, SIZE), &truth);
             println!("{transfer:?}, {} lights: {error:.4}, bias {bias:+.4}", lights.len());
             assert!(error < 0.03 && bias.abs() < 0.01, "{transfer:?}: {error}, bias {bias}");

@@ -82,7 +82,7 @@ cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask bench-gloss [--quick] [--scenes DIR]
                      a metal trophy under two environments beside the path tracer, with glossy transfer of several kinds
-                     and sizes; writes docs/reports/gloss.md, --quick only prints
+                     and sizes, and shots of a folder of scenes; writes docs/reports/gloss.md, --quick only prints
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
 cargo xtask fuzz-step [--files N] [--seed S] [--from DIR]

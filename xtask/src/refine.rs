@@ -2,7 +2,7 @@
 //! ways with several numbers of functions, compares with the path tracer, and writes docs/reports/refine.md.
 
 use crate::fidelity::cases::{self, Case};
-use crate::fidelity::measure::{Comparison, Tool};
+use crate::fidelity::measure::{Comparison, INDIRECT, Tool};
 use crate::{process, report};
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
@@ -94,7 +94,7 @@ fn measure(
     let done: Done = serde_json::from_str(last).context("the last line of the bake")?;
     let figures: Figures = read(&told)?;
     let picture = tool.file("picture.exr");
-    tool.render(&baked, &case.view(), &picture)?;
+    tool.render(INDIRECT, &baked, &case.view(), &picture)?;
     let [a, b] = &case.references;
     let comparison = tool.compare(&picture, a, Some(b), &[])?;
     let Figures { links, rays, file_bytes } = figures;

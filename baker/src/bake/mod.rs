@@ -182,17 +182,16 @@ pub fn choose_emitter<S: Surfaces + ?Sized>(
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
     let seed = settings.place.seed;
     // What faces only the sky is lit by its points.
-    let faces_sky = settings.sources.sky;
+    let emitter = |views, found| ParticleEmitter { views, faces_sky: settings.sources.sky, ..found };
     if settings.purpose == Purpose::Environment {
-        let around = ParticleEmitter { is_open: true, faces_sky, ..ParticleEmitter::default() };
+        let around = emitter(Vec::new(), ParticleEmitter { is_open: true, ..ParticleEmitter::default() });
         let sees_any = !Candidates::new(surfaces, &around, seed).batch().is_empty();
         return sees_any.then_some(around).ok_or(BakeError::NoSky);
     }
     if !settings.viewpoints.is_empty() {
         let viewpoints: Vec<Vec3> = settings.viewpoints.iter().copied().map(local).collect();
         let views = viewpoints.iter().copied().map(View::around).collect();
-        let found = ParticleEmitter::at(surfaces, viewpoints, seed);
-        return Ok(ParticleEmitter { views, faces_sky, ..found });
+        return Ok(emitter(views, ParticleEmitter::at(surfaces, viewpoints, seed)));
     }
     let cameras = || settings.camera.iter().chain(&scene.cameras);
     let view = |camera: &Camera| {
@@ -205,10 +204,9 @@ pub fn choose_emitter<S: Surfaces + ?Sized>(
         Candidates::new(surfaces, &ParticleEmitter::within(*point), seed).batch().len() > 1000
     });
     if !viewpoints.is_empty() {
-        let found = ParticleEmitter::at(surfaces, viewpoints, seed);
-        return Ok(ParticleEmitter { views, faces_sky, ..found });
+        return Ok(emitter(views, ParticleEmitter::at(surfaces, viewpoints, seed)));
     }
     let lamps: Vec<Vec3> = scene.lights.iter().filter_map(Light::position).map(local).collect();
     let found = ParticleEmitter::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)?;
-    Ok(ParticleEmitter { views, faces_sky, ..found })
+    Ok(emitter(views, found))
 }

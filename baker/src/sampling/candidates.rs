@@ -46,13 +46,13 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// an open scene also from the sky. Drops the first three bounces, or fewer if the majority of particles leave
     /// sooner; in an open scene the first bounce, or none if no surface sees another.
     pub fn new(surfaces: &'a S, emitter: &'a ParticleEmitter, seed: u64) -> Self {
-        let (dropped_bounces, enough) =
-            if emitter.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
+        let (dropped_bounces, enough) = match (emitter.is_open, emitter.faces_sky) {
+            (true, true) => (0, 0),
+            (true, false) => (1, ENOUGH_IN_OPEN),
+            (false, _) => (3, PARTICLES as usize),
+        };
         let regions = Vec::new();
         let mut source = Self { surfaces, emitter, regions, seed, next_particle: 0, dropped_bounces };
-        if emitter.is_open && emitter.faces_sky {
-            source.dropped_bounces = 0;
-        }
         while source.dropped_bounces > 0 {
             let found = source.batch().len();
             source.next_particle = 0;

@@ -171,8 +171,14 @@ impl BakedScene {
         cfg!(feature = "radiosity")
             && !self.reflectance.is_empty()
             && self.links.links.is_empty()
-            && !self.is_solved()
-            && !self.is_for_environment()
+            && !self.is_precomputed()
+    }
+
+    /// Whether points have values in the place of links: a [fixed solution](Self::is_solved), or a file
+    /// [for an environment](Self::is_for_environment).
+    #[inline]
+    pub fn is_precomputed(&self) -> bool {
+        self.is_solved() || self.is_for_environment()
     }
 
     /// Whether the light of the environment comes by diffuse transfer, and there are no links.

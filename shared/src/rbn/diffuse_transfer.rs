@@ -16,7 +16,7 @@
 //! It is the difference from the mean of the point's parents; a point without a vector has that mean. Vectors are
 //! [compressed](super::clustered).
 
-use super::clustered::{Clustered, NO_CLUSTER, stored};
+use super::clustered::{ClusterScales, Clustered, NO_CLUSTER, stored};
 use super::{RbnError, small};
 use crate::harmonics::COUNT;
 use bincode::{Decode, Encode};
@@ -31,12 +31,8 @@ pub const FROM_GROUP: usize = 6;
 pub struct TransferLayout {
     /// Number of groups of emissive surfaces.
     pub groups: u32,
-    /// Components of each cluster.
-    pub components: u32,
-    /// By cluster, the scale of its mean and of each component.
-    pub vector_scales: Vec<f32>,
-    /// By cluster, the scale of the weights of each component.
-    pub weight_scales: Vec<f32>,
+    /// Components of clusters, and scales.
+    pub scales: ClusterScales,
 }
 
 impl TransferLayout {
@@ -72,14 +68,7 @@ impl DiffuseTransfer {
 
     /// The compressed vectors.
     pub(crate) fn packed(&self) -> Clustered<'_> {
-        let TransferLayout { components, vector_scales, weight_scales, .. } = &self.layout;
-        Clustered {
-            components: *components,
-            vector_scales,
-            weight_scales,
-            weights: &self.weights,
-            vectors: &self.vectors,
-        }
+        Clustered { scales: &self.layout.scales, weights: &self.weights, vectors: &self.vectors }
     }
 }
 

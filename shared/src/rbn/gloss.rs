@@ -23,7 +23,7 @@
 //! Where there are links, all light that bounced or comes from emissive surfaces arrives by them, and vectors have visibility
 //! alone. A point with links has what they say; one without has the mean of its parents.
 
-use super::clustered::{Clustered, stored};
+use super::clustered::{ClusterScales, Clustered, stored};
 use super::gloss_links::{self, GlossLinks};
 use super::limits::sane;
 use super::{RbnError, small};
@@ -41,12 +41,8 @@ pub struct GlossLayout {
     pub roughness: [f32; 2],
     /// Matrices of a point: 1 for all channels, or 3, for red, green and blue; 0 for visibility alone.
     pub channels: u32,
-    /// Components of each cluster.
-    pub components: u32,
-    /// By cluster, the scale of its mean and of each component.
-    pub vector_scales: Vec<f32>,
-    /// By cluster, the scale of the weights of each component.
-    pub weight_scales: Vec<f32>,
+    /// Components of clusters, and scales.
+    pub scales: ClusterScales,
     /// By group of emissive surfaces, its mean radiance, linear RGB; empty without links.
     pub emission: Vec<[f32; 3]>,
 }
@@ -55,11 +51,6 @@ impl GlossLayout {
     /// Entries of a vector.
     pub fn dimensions(&self) -> usize {
         self.channels as usize * COUNT * COUNT + COUNT
-    }
-
-    /// Number of clusters.
-    pub fn clusters(&self) -> usize {
-        self.vector_scales.len() / (1 + self.components as usize)
     }
 }
 
@@ -91,25 +82,9 @@ impl Gloss {
         stored(&self.clusters)
     }
 
-    /// A vector of a cluster: 0 the mean, then the components.
-    pub fn vector(&self, cluster: usize, number: usize) -> impl Iterator<Item = f32> {
-        self.packed().vector(cluster, number)
-    }
-
-    /// Weights of the matrix with this number, for a cluster.
-    pub fn weights_of(&self, matrix: usize, cluster: usize) -> impl Iterator<Item = f32> {
-        self.packed().weights_of(matrix, cluster)
-    }
-
-    fn packed(&self) -> Clustered<'_> {
-        let GlossLayout { components, vector_scales, weight_scales, .. } = &self.layout;
-        Clustered {
-            components: *components,
-            vector_scales,
-            weight_scales,
-            weights: &self.weights,
-            vectors: &self.vectors,
-        }
+    /// The compressed matrices.
+    pub(crate) fn packed(&self) -> Clustered<'_> {
+        Clustered { scales: &self.layout.scales, weights: &self.weights, vectors: &self.vectors }
     }
 }
 

@@ -4,8 +4,12 @@
 
 use glam::Vec3;
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::io::picture::Only;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::Relit;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
 use rebounce_tests::small::small;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::GpuScene;
@@ -65,6 +69,14 @@ pub fn indirect(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3>
 pub fn radiance(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3> {
     let bytes = pollster::block_on(renderer.read_radiance(width, height).unwrap().wait()).unwrap();
     bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
+}
+
+/// Returns the CPU's radiance of all light for a scene's first camera, with metals as conductors.
+pub fn conductors(scene: &BakedScene, lights: &[Light], size: [u32; 2]) -> Vec<Vec3> {
+    let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
+    let relit = Relit::new(scene, &surfaces, lights, false).with_gloss(scene);
+    let exposure = Exposure { size, samples: 64, seed: 5 };
+    relit.picture(scene, &surfaces, &scene.meta.cameras[0], exposure, Only::All, || ()).pixels
 }
 
 /// Returns the RMS difference relative to the CPU's picture, and the bias.

@@ -128,7 +128,7 @@ impl GpuGloss {
             members.push([*point, u32::from(*cluster) | matrix << 8]);
             matrix += u32::from(has_matrix);
         }
-        let (layout, vectors) = (&gloss.layout, gloss.layout.vector_scales.len());
+        let (layout, vectors) = (&gloss.layout, gloss.layout.scales.vectors.len());
         let lit = empty_buffer(&own, "lit vectors", storage, (16 * COUNT * vectors) as u64);
         let sky = empty_buffer(&own, "sky coefficients", storage, (16 * COUNT) as u64);
         let arriving = empty_buffer(&own, "arriving", storage, bytes);
@@ -145,9 +145,9 @@ impl GpuGloss {
             group(&own, label, layout, &resources)
         };
         let entries = words("GLBS", &gloss.vectors);
-        let scales = stored("vector scales", bytemuck::cast_slice(&layout.vector_scales));
+        let scales = stored("vector scales", bytemuck::cast_slice(&layout.scales.vectors));
         let weights = words("GLWT", &gloss.weights);
-        let weight_scales = stored("weight scales", bytemuck::cast_slice(&layout.weight_scales));
+        let weight_scales = stored("weight scales", bytemuck::cast_slice(&layout.scales.weights));
         let members = stored("GLPT", bytemuck::cast_slice(&members));
         let of_vectors = [&entries, &scales, &sky, &lit];
         let (link_offsets, links) = (&gloss.links.offsets, &gloss.links.links);
@@ -226,7 +226,7 @@ fn dispatches(scene: &BakedScene, vectors: u32) -> (Vec<GlossUniform>, Vec<(Glos
             count: range.len() as u32,
             groups: x,
             channels: gloss.layout.channels,
-            components: gloss.layout.components,
+            components: gloss.layout.scales.components,
             vectors,
             points: scene.points.len() as u32,
             pad: 0,

@@ -138,11 +138,9 @@ impl Upload {
         Ok(Self {
             ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
-            // The light of a fixed solution's sources is among its columns.
-            source_links: (!scene.source_links.is_empty()
-                && !scene.is_solved()
-                && !scene.is_for_environment())
-            .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
+            // Where points have values, those of the sources are among them.
+            source_links: (!scene.source_links.is_empty() && !scene.is_precomputed())
+                .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
             // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),

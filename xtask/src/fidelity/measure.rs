@@ -78,6 +78,8 @@ pub struct Tool {
 
 /// Samples per pixel of renders.
 const SAMPLES: u32 = 64;
+/// Bounced light, as `--only` has it.
+pub const INDIRECT: &str = "indirect";
 
 impl Tool {
     pub fn new(work: PathBuf) -> Result<Self> {
@@ -104,19 +106,20 @@ impl Tool {
 
     /// Path-traces the bounced light of a shot.
     pub fn reference(&self, case: &Case, seed: u64, samples: u32, out: &Path) -> Result<()> {
-        self.path_traced(&case.scene, &case.view(), seed, samples, out)
+        self.path_traced(INDIRECT, (&case.scene, &case.view()), seed, samples, out)
     }
 
+    /// Path-traces the light `only` of a scene in a view.
     pub fn path_traced(
         &self,
-        scene: &str,
-        view: &[String],
+        only: &str,
+        (scene, view): (&str, &[String]),
         seed: u64,
         samples: u32,
         out: &Path,
     ) -> Result<()> {
         let mut command = self.command("reference");
-        command.arg(scene).args(view).args(["--only", "indirect", "--seed", &seed.to_string()]);
+        command.arg(scene).args(view).args(["--only", only, "--seed", &seed.to_string()]);
         process::run(command.args(["--spp", &samples.to_string(), "-o"]).arg(out))
     }
 
@@ -134,7 +137,7 @@ impl Tool {
         bake.arg(&case.scene).args(["--preset", preset]).args(told);
         process::run(bake.arg("-o").arg(&baked).arg("--report").arg(&report))?;
         let picture = self.file("picture.exr");
-        self.render(&baked, &case.view(), &picture)?;
+        self.render(INDIRECT, &baked, &case.view(), &picture)?;
         let mut panel = Vec::new();
         if let Some(shown) = shown {
             panel.extend(["--panel".into(), shown.as_os_str().to_owned()]);
@@ -172,7 +175,7 @@ impl Tool {
             let (file, picture) =
                 (self.file(&format!("{name}.shot.json")), self.file(&format!("{name}.exr")));
             std::fs::write(&file, shot.to_string())?;
-            self.render(&baked, &["--shot".to_owned(), file.display().to_string()], &picture)?;
+            self.render(INDIRECT, &baked, &["--shot".to_owned(), file.display().to_string()], &picture)?;
             Ok(picture)
         };
         let (dark, lit) = (take("dark", 1.0)?, take("lit", -1.0)?);
@@ -180,9 +183,10 @@ impl Tool {
         Ok(self.compare(&dark, &lit, None, &[])?.bias + 1.0)
     }
 
-    pub fn render(&self, baked: &Path, view: &[String], out: &Path) -> Result<()> {
+    /// Renders the light `only` of a file in a view.
+    pub fn render(&self, only: &str, baked: &Path, view: &[String], out: &Path) -> Result<()> {
         let mut command = self.command("render");
-        command.arg(baked).args(view).args(["--only", "indirect", "--spp", &SAMPLES.to_string()]);
+        command.arg(baked).args(view).args(["--only", only, "--spp", &SAMPLES.to_string()]);
         process::run(command.arg("-o").arg(out))
     }
 

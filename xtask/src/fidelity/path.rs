@@ -1,6 +1,6 @@
 //! Temporal stability: change of the bounced light between consecutive pictures of a moving lamp.
 
-use super::measure::Tool;
+use super::measure::{INDIRECT, Tool};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
@@ -26,8 +26,8 @@ impl Tool {
             let shot = self.shot_at(step as f64 / (STEPS - 1) as f64)?;
             let view = ["--shot".to_owned(), shot.display().to_string()];
             match baked {
-                Some(baked) => self.render(baked, &view, &next)?,
-                None => self.path_traced("builtin:library", &view, 1, TRUTH_SAMPLES, &next)?,
+                Some(baked) => self.render(INDIRECT, baked, &view, &next)?,
+                None => self.path_traced(INDIRECT, ("builtin:library", &view), 1, TRUTH_SAMPLES, &next)?,
             }
             if step > 0 {
                 let change = self.compare(&next, &last, None, &[])?;

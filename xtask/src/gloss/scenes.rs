@@ -8,9 +8,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Samples a pixel of each of two references, where none are given.
-const PATHS: &str = "512";
-/// Samples a pixel of pictures.
-const SAMPLES: &str = "64";
+const PATHS: u32 = 512;
+/// All light, as `--only` has it.
+const ALL: &str = "all";
 
 /// A shot of a scene, and how its file is baked.
 struct Case {
@@ -111,12 +111,10 @@ impl Case {
         if given.iter().all(|path| path.exists()) {
             return Ok(given);
         }
-        let own = ["1", "2"].map(|seed| (seed, tool.file(&format!("{}-{seed}.exr", self.name))));
+        let own = [1, 2].map(|seed| (seed, tool.file(&format!("{}-{seed}.exr", self.name))));
         for (seed, picture) in &own {
             if !picture.exists() {
-                let mut command = tool.command("reference");
-                command.arg(scene).arg("--shot").arg(shot).args(["--only", "all", "--seed", seed]);
-                process::run(command.args(["--spp", PATHS, "-o"]).arg(picture))?;
+                tool.path_traced(ALL, (scene, &view(shot)), *seed, PATHS, picture)?;
             }
         }
         Ok(own.map(|(_, picture)| picture))
@@ -133,9 +131,7 @@ impl Case {
     ) -> Result<(f64, Comparison)> {
         let (baked, picture) = (tool.file("scene.rbn"), tool.file("picture.exr"));
         process::run(tool.command("bake").arg(scene).args(["--for", purpose, "-o"]).arg(&baked))?;
-        let mut render = tool.command("render");
-        render.arg(&baked).arg("--shot").arg(shot).args(["--only", "all", "--spp", SAMPLES, "-o"]);
-        process::run(render.arg(&picture))?;
+        tool.render(ALL, &baked, &view(shot), &picture)?;
         let mut more = Vec::new();
         if Some(&purpose) == self.purposes.first() {
             more = vec!["--panel".into(), panels.join(format!("{}.png", self.name)).into_os_string()];
@@ -143,4 +139,9 @@ impl Case {
         let bytes = std::fs::metadata(&baked).with_context(|| baked.display().to_string())?.len();
         Ok((bytes as f64 * 1e-6, tool.compare(&picture, a, Some(b), &more)?))
     }
+}
+
+/// A shot as arguments.
+fn view(shot: &Path) -> [String; 2] {
+    ["--shot".to_owned(), shot.display().to_string()]
 }

@@ -80,18 +80,13 @@ pub(super) fn of_file(file: &BakedScene, settings: &TransferSettings) -> (Diffus
     for ((i, _), cluster) in stored.iter().zip(&packed.clusters) {
         clusters[*i] = *cluster;
     }
-    let Clustered { vector_scales, weight_scales, weights, vectors, error, .. } = packed;
+    let Clustered { scales, weights, vectors, error, .. } = packed;
     let report = TransferReport {
         points: file.points.len() as u64,
         vectors: stored.len() as u64,
         compression_error: error,
     };
-    let layout = TransferLayout {
-        groups: emitters.len() as u32,
-        components: settings.components,
-        vector_scales,
-        weight_scales,
-    };
+    let layout = TransferLayout { groups: emitters.len() as u32, scales };
     (DiffuseTransfer { layout, clusters, weights, vectors }, report)
 }
 

@@ -5,6 +5,7 @@
 //! curve a level. Components are the leading eigenvectors of a cluster's covariance, by subspace iteration.
 
 use rayon::prelude::*;
+use rebounce_shared::rbn::clustered::ClusterScales;
 
 /// A vector, of any meaning.
 pub(in crate::transport) type Vector = Box<[f32]>;
@@ -175,10 +176,8 @@ fn compress(members: &[&[f32]], count: usize, dimensions: usize) -> Compressed {
 pub(in crate::transport) struct Clustered {
     /// By vector.
     pub clusters: Vec<u8>,
-    /// By cluster, the scale of its mean and of each component.
-    pub vector_scales: Vec<f32>,
-    /// By cluster, the scale of the weights of each component.
-    pub weight_scales: Vec<f32>,
+    /// Of means, components and weights.
+    pub scales: ClusterScales,
     /// By vector, a byte a component.
     pub weights: Vec<u8>,
     /// By cluster the mean and the components.
@@ -208,8 +207,11 @@ pub(in crate::transport) fn compressed(all: &[&[f32]], components: u32) -> Clust
     Clustered {
         // There are fewer clusters than a byte can tell apart.
         clusters: cluster_of.iter().map(|cluster| *cluster as u8).collect(),
-        vector_scales: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
-        weight_scales: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
+        scales: ClusterScales {
+            components,
+            vectors: packed.iter().flat_map(|cluster| cluster.vector_scales.clone()).collect(),
+            weights: packed.iter().flat_map(|cluster| cluster.weight_scales.clone()).collect(),
+        },
         weights,
         vectors: packed.into_iter().flat_map(|cluster| cluster.vectors).collect(),
         error: (lost / power.max(1e-30)).sqrt(),

@@ -96,8 +96,7 @@ pub fn glossy_transfer<S: Surfaces + ?Sized>(
 fn packed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss, f64) {
     let all: Vec<&[f32]> = found.matrices.iter().map(|matrix| &**matrix).collect();
     let Some(first) = all.first() else { return Default::default() };
-    let Clustered { clusters, vector_scales, weight_scales, weights, vectors, error } =
-        compressed(&all, settings.components);
+    let Clustered { clusters, scales, weights, vectors, error } = compressed(&all, settings.components);
     let mut by_point = vec![NO_MATRIX; points.len()];
     for (point, cluster) in found.points.iter().zip(clusters) {
         if let Ok(place) = points.binary_search(point) {
@@ -107,9 +106,7 @@ fn packed(points: &[u32], found: &Matrices, settings: &GlossSettings) -> (Gloss,
     let layout = GlossLayout {
         has_direct: settings.has_direct,
         channels: (first.len() / (COUNT * COUNT)) as u32,
-        components: settings.components,
-        vector_scales,
-        weight_scales,
+        scales,
         ..GlossLayout::default()
     };
     let points = points.to_vec();

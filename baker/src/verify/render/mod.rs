@@ -121,8 +121,7 @@ impl Relit {
         detail: bool,
         motions: &Motions,
     ) -> Self {
-        let is_fixed = scene.is_solved() || scene.is_for_environment();
-        let by_radiosity = !is_fixed && (scene.is_unlinked() || !motions.is_empty());
+        let by_radiosity = !scene.is_precomputed() && (scene.is_unlinked() || !motions.is_empty());
         let accelerator = if by_radiosity { Accelerator::new(scene) } else { Accelerator::default() };
         let clipped;
         let scene = match by_radiosity && !motions.is_empty() {
@@ -133,11 +132,11 @@ impl Relit {
                 &clipped
             }
         };
-        let (mut irradiance, sent) = match (by_radiosity, scene.is_solved()) {
-            (true, _) => (gathered(scene, surfaces, &lighting, (&accelerator, motions)), Vec::new()),
-            (_, true) => (mixed(scene, &lighting), Vec::new()),
-            _ if scene.is_for_environment() => (transferred(scene, &lighting), Vec::new()),
-            (_, false) => relit(scene, surfaces, &lighting),
+        let (mut irradiance, sent) = match () {
+            () if by_radiosity => (gathered(scene, surfaces, &lighting, (&accelerator, motions)), Vec::new()),
+            () if scene.is_solved() => (mixed(scene, &lighting), Vec::new()),
+            () if scene.is_for_environment() => (transferred(scene, &lighting), Vec::new()),
+            () => relit(scene, surfaces, &lighting),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
@@ -293,9 +292,20 @@ impl Relit {
     ) -> Option<Vec3> {
         let reflections = self.reflections.as_ref().filter(|_| only == Only::All && hit.gloss.is_metal())?;
         let around = reflections.of_metal(self, surfaces, hit, ray.direction, stream)?;
-        let bsdf = Bsdf::new(hit, -ray.direction, true);
+        Some(around + self.lamps_on_metal(surfaces, hit, ray.direction, stream))
+    }
+
+    /// Radiance of lamps that a metal reflects along a ray in `direction`: a single estimate.
+    fn lamps_on_metal(
+        &self,
+        surfaces: &impl Surfaces,
+        hit: &Hit,
+        direction: Vec3,
+        stream: &mut Stream,
+    ) -> Vec3 {
+        let bsdf = Bsdf::new(hit, -direction, true);
         let weigh = |irradiance, to_light| irradiance * bsdf.reflectance(to_light);
-        Some(around + direct::toward_hit_with(surfaces, &self.lighting.lamps, hit, stream, weigh))
+        direct::toward_hit_with(surfaces, &self.lighting.lamps, hit, stream, weigh)
     }
 }
 

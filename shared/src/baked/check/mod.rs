@@ -129,11 +129,16 @@ impl BakedScene {
         Ok(())
     }
 
+    /// Number of links of transport, later bounces and sources.
+    #[cfg(feature = "radiosity")]
+    fn all_links(&self) -> usize {
+        self.links.links.len() + self.later.links.len() + self.source_links.links.len()
+    }
+
     /// Checks that diffuse transfer fits points and groups, and that a file with it has neither links nor a fixed solution.
     #[cfg(feature = "radiosity")]
     fn check_transfer(&self) -> Result<(), RbnError> {
-        let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();
-        let other = links + self.light_groups.groups.len() + self.gloss.links.links.len();
+        let other = self.all_links() + self.light_groups.groups.len() + self.gloss.links.links.len();
         let counts = [self.points.len(), self.sources.groups.len(), other];
         diffuse_transfer::check(&self.diffuse_transfer, counts)
     }
@@ -145,8 +150,7 @@ impl BakedScene {
         light_groups::check(&self.light_groups, self.meta.lights.len(), self.points.len())?;
         let columns = self.light_groups.columns();
         lightmap::check(&self.lightmap, columns, self.vertices.len(), self.instances.len())?;
-        let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();
-        if self.is_solved() && links > 0 {
+        if self.is_solved() && self.all_links() > 0 {
             return Err(RbnError::invalid("LGRP", "a file with groups of light has no links"));
         }
         let mut tracks = self.meta.animations.iter().flat_map(|animation| &animation.tracks);

@@ -36,24 +36,22 @@ impl FromTransfer {
     /// Writes the light of all points to `display`.
     pub(super) fn set_light(&self, gpu: &Gpu, display: &wgpu::Buffer, light: DistantLight) {
         let parts = self.parts.get();
-        let asked = Some((light, parts));
-        if *self.light.borrow() == asked {
+        if self.light.borrow().as_ref().is_some_and(|(known, shown)| (known, shown) == (&light, &parts)) {
             return;
         }
-        let Some((light, _)) = &asked else { return };
-        let received = self.field.irradiance(light);
-        let tilts = if self.is_bumpy { self.field.tilts(light, &received) } else { Vec::new() };
+        let received = self.field.irradiance(&light);
+        let tilts = if self.is_bumpy { self.field.tilts(&light, &received) } else { Vec::new() };
         let row = |(i, Received { direct, bounced }): (usize, &Received)| {
             let shown = *direct * f32::from(parts.from_sources) + *bounced * f32::from(parts.bounced);
             shown.extend(packed(tilts.get(i).copied().unwrap_or_default()))
         };
         let rows: Vec<_> = received.iter().enumerate().map(row).collect();
         gpu.queue.write_buffer(display, 0, bytemuck::cast_slice(&rows));
-        *self.light.borrow_mut() = asked;
+        self.light.replace(Some((light, parts)));
     }
 
     /// Forgets the light: the points are dark.
     pub(super) fn forget(&self) {
-        *self.light.borrow_mut() = None;
+        self.light.replace(None);
     }
 }

@@ -118,14 +118,13 @@ pub(super) fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispa
         }
     }
     plan.push(Dispatch::threads(Kernel::Direct, 0, scene.direct_count()));
-    // A fixed solution has no links, nor have scenes for radiosity and for an environment.
-    let is_written = scene.is_solved() || scene.is_for_environment();
+    // Points with values have no links, and a scene for radiosity neither.
     let (mut senders, mut coarse, mut levels) =
         (scene.sender_count(), scene.later_count(), scene.meta.levels.len());
-    if is_written || scene.is_unlinked() {
+    if scene.is_precomputed() || scene.is_unlinked() {
         (senders, coarse, levels) = (0, 0, 0);
     }
-    if upload.source_links.is_some() || is_written {
+    if upload.source_links.is_some() || scene.is_precomputed() {
         plan.push(Dispatch::threads(Kernel::Join, 0, scene.direct_count()));
     }
     let send = Dispatch::threads(Kernel::Send, 0, senders);

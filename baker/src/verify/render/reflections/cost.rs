@@ -2,18 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Work of one lobe.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LobeCost {
-    /// Samples of the lobe.
-    pub samples: u64,
-    /// Texels and pixels read on the way of their rays.
-    pub steps: u64,
-    /// Samples whose way did not find a sure answer.
-    pub fallbacks: u64,
-}
-
-/// Work of a picture.
+/// Work of one lobe, or of all lobes of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Lobes: hits on metals.
@@ -37,12 +26,12 @@ pub(super) struct CostSums {
 
 impl CostSums {
     /// Adds the work of a lobe.
-    pub fn add(&self, lobe: &LobeCost) {
+    pub fn add(&self, Cost { lobes, samples, steps, fallbacks }: Cost) {
         let of = [
-            (&self.lobes, 1),
-            (&self.samples, lobe.samples),
-            (&self.steps, lobe.steps),
-            (&self.fallbacks, lobe.fallbacks),
+            (&self.lobes, lobes),
+            (&self.samples, samples),
+            (&self.steps, steps),
+            (&self.fallbacks, fallbacks),
         ];
         for (sum, n) in of {
             sum.fetch_add(n, Ordering::Relaxed);

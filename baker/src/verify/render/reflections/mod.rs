@@ -16,7 +16,7 @@ use super::Relit;
 use crate::basis::Leveled;
 use crate::geometry::{Hit, Surfaces};
 use crate::random::Stream;
-use cost::{Cost, CostSums, LobeCost};
+use cost::{Cost, CostSums};
 use cube_maps::{CubeMapSettings, CubeMaps};
 use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
@@ -167,7 +167,7 @@ impl Reflections {
             return self.by_transfer(lighting, basis, hit, direction);
         }
         let at = &self.at(lighting, basis, hit)?;
-        let mut cost = LobeCost::default();
+        let mut cost = Cost { lobes: 1, ..Cost::default() };
         // What is not blurred as wide as a sample is averaged over the samples of a pixel.
         let shift = match self.source {
             ReflectionSource::Rays | ReflectionSource::Screen(..) => stream.square(),
@@ -180,7 +180,7 @@ impl Reflections {
             if hit.geometric_normal.dot(to_light) <= 0.0 {
                 return Vec3::ZERO;
             }
-            let far = |cost: &mut LobeCost| match &maps {
+            let far = |cost: &mut Cost| match &maps {
                 None => at.radiance(to_light, solid_angle),
                 Some(maps) => {
                     let sky = || at.sky(to_light, solid_angle);
@@ -203,7 +203,7 @@ impl Reflections {
                 ReflectionSource::Transfer | ReflectionSource::CubeMaps(_) => far(&mut cost),
             }
         });
-        self.tally.add(&cost);
+        self.tally.add(cost);
         Some(radiance)
     }
 }

@@ -2,7 +2,7 @@
 //! there (McGuire and Mara, *Efficient GPU Screen-Space Ray Tracing*, 2014). What the camera does not see is not found.
 
 use super::ReflectionView;
-use super::cost::LobeCost;
+use super::cost::Cost;
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::Stream;
 use glam::{Vec2, Vec3};
@@ -77,7 +77,7 @@ impl Screen {
 
     /// Radiance that arrives at a hit from a unit direction; `None` where the picture does not show it. `off` is a safe distance
     /// from surfaces.
-    pub fn radiance(&self, hit: &Hit, direction: Vec3, off: f32, cost: &mut LobeCost) -> Option<Vec3> {
+    pub fn radiance(&self, hit: &Hit, direction: Vec3, off: f32, cost: &mut Cost) -> Option<Vec3> {
         let origin = hit.offset_origin(direction, off);
         let (first, depth) = self.project(origin);
         let ahead = direction.dot(self.frame.forward);

@@ -3,8 +3,6 @@
 use super::Reflections;
 use crate::geometry::{Hit, HitEmitter, Ray, Surfaces};
 use crate::io::picture::Only;
-use crate::light::bsdf::Bsdf;
-use crate::light::direct;
 use crate::random::Stream;
 use crate::verify::render::Relit;
 use glam::Vec3;
@@ -35,11 +33,7 @@ impl Reflections {
         let conducted = is_metal.then(|| self.by_transfer(&relit.lighting, &relit.basis, hit, direction));
         emission
             + match conducted.flatten() {
-                Some(around) => {
-                    let bsdf = Bsdf::new(hit, -direction, true);
-                    let weigh = |irradiance: Vec3, to_light| irradiance * bsdf.reflectance(to_light);
-                    around + direct::toward_hit_with(surfaces, &relit.lighting.lamps, hit, stream, weigh)
-                }
+                Some(around) => around + relit.lamps_on_metal(surfaces, hit, direction, stream),
                 None => hit.albedo * FRAC_1_PI * relit.irradiance(surfaces, hit, Only::All, stream),
             }
     }

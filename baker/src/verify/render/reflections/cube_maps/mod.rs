@@ -15,7 +15,7 @@ mod march;
 mod places;
 mod room;
 
-use super::cost::LobeCost;
+use super::cost::Cost;
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::Stream;
 use cube::Cube;
@@ -153,7 +153,7 @@ impl CubeMaps {
     }
 
     /// Orders the maps for a hit.
-    pub(super) fn around<'a>(&'a self, hit: &Hit, direction: Vec3, cost: &mut LobeCost) -> NearMaps<'a> {
+    pub(super) fn around<'a>(&'a self, hit: &Hit, direction: Vec3, cost: &mut Cost) -> NearMaps<'a> {
         let rank = |map: &'a LitCubeMap| {
             let from = hit.position - map.place;
             let is_unseen = !map.distances.sees(from) || from.dot(hit.geometric_normal) > 0.0;
@@ -190,7 +190,7 @@ pub(super) struct NearMaps<'a> {
 
 impl<'a> NearMaps<'a> {
     /// Where a ray of unit direction ends, by the best map.
-    fn meet(&self, direction: Vec3, cost: &mut LobeCost) -> Option<(&'a LitCubeMap, RayEnd)> {
+    fn meet(&self, direction: Vec3, cost: &mut Cost) -> Option<(&'a LitCubeMap, RayEnd)> {
         if let Some((map, along)) = self.middle {
             let place = self.position - map.place + along * direction;
             let is_far = !along.is_finite();
@@ -225,7 +225,7 @@ impl<'a> NearMaps<'a> {
         direction: Vec3,
         solid_angle: f32,
         sky: impl FnOnce() -> Vec3,
-        cost: &mut LobeCost,
+        cost: &mut Cost,
     ) -> Option<Vec3> {
         let (map, met) = self.meet(direction, cost)?;
         if !met.is_sure {

@@ -29,7 +29,7 @@ fn worst(map: &LitCubeMap, correction: Correction, within: f32) -> f32 {
             continue;
         }
         let around = NearMaps { settings: &settings, maps: vec![map], position, middle: None };
-        let mut cost = LobeCost::default();
+        let mut cost = Cost::default();
         let found = around.radiance(direction, 0.0, || Vec3::ONE, &mut cost).unwrap();
         worst = worst.max(found.distance(colour(end)));
         assert!(cost.fallbacks == 0 && cost.steps > 0);
