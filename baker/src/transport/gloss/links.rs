@@ -7,7 +7,7 @@
 use super::GlossSettings;
 use super::glossy_points::GlossyPoints;
 use super::merge::{LinkSum, by_sender, merged, packed};
-use super::rays::PointRays;
+use super::rays::{PointRay, PointRays};
 use crate::basis::{Evaluator, SENDER_OVERLAP, sender_evaluator};
 use crate::geometry::{Hit, HitEmitter, Surfaces};
 use crate::job::watch::{Stopped, Watch};
@@ -145,7 +145,7 @@ impl<'a, S: Surfaces + ?Sized> LinkGather<'a, S> {
         let solid_angle = self.rays.solid_angle();
         let (mut found, mut shining): (_, Vec<LinkSum>) = (Vec::new(), Vec::new());
         let mut weights = Vec::new();
-        let rays = self.rays.cast(point, |direction, _, hit| {
+        let rays = self.rays.cast(point, |PointRay { direction, .. }, hit| {
             let Some(hit) = hit else { return };
             if let Some((group, share)) = self.emitted(&hit) {
                 add_near(&mut shining, group, solid_angle * share, direction);

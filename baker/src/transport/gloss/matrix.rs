@@ -9,7 +9,7 @@
 
 use super::GlossSettings;
 use super::neighbour::Neighbours;
-use super::rays::PointRays;
+use super::rays::{PointRay, PointRays};
 use super::sky_irradiance::SkyIrradiance;
 use crate::geometry::Surfaces;
 use rebounce_shared::harmonics::{COUNT, evaluate};
@@ -58,7 +58,7 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
         let solid_angle = self.rays.solid_angle();
         let mut weights = Vec::new();
         let (mut number, mut more) = (0, 0);
-        let rays = self.rays.cast(point, |direction, y, hit| {
+        let rays = self.rays.cast(point, |PointRay { direction, way, y }, hit| {
             number += 1;
             let below = evaluate(direction.reflect(normal));
             let received: [f32; COUNT] = std::array::from_fn(|i| solid_angle * (y[i] + below[i]));
@@ -71,7 +71,7 @@ impl<'a, S: Surfaces + ?Sized> MatrixGather<'a, S> {
                 return;
             };
             let Some(irradiance) = &self.irradiance else { return };
-            let (sent, rays) = self.neighbours.radiance(irradiance, &hit, (direction, number), &mut weights);
+            let (sent, rays) = self.neighbours.radiance(irradiance, &hit, (way, number), &mut weights);
             more += rays;
             for (i, r) in received.iter().enumerate() {
                 for (j, sent) in sent.iter().enumerate() {

@@ -39,10 +39,10 @@ impl<S: Surfaces + ?Sized> Neighbours<'_, S> {
         let bsdf = Bsdf::new(hit, -direction, true);
         let mut stream = Stream::new(SEED, number as u64);
         let mut sums = [Vec3::ZERO; COUNT];
-        let front = if hit.geometric_normal.dot(direction) < 0.0 { 1.0 } else { -1.0 };
-        let origin = hit.position + hit.geometric_normal * (front * self.surfaces.epsilon_at(hit.position));
+        let epsilon = self.surfaces.epsilon_at(hit.position);
         for _ in 0..SAMPLES {
             let Some(sample) = bsdf.sample(&mut stream) else { continue };
+            let origin = hit.offset_origin(sample.to_light, epsilon);
             let ray = Ray { origin, direction: sample.to_light, max_distance: f32::INFINITY, spread: 0.05 };
             let weight = bsdf.albedo * (sample.weight / SAMPLES as f32);
             match self.surfaces.cast(&ray, mix(stream.bits()) as u32) {

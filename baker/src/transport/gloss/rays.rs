@@ -12,6 +12,16 @@ use rebounce_shared::elementary::Elementary;
 use rebounce_shared::harmonics::{COUNT, evaluate};
 use std::f32::consts::TAU;
 
+/// A ray of a point.
+pub(super) struct PointRay<'a> {
+    /// Direction that its light is taken to come from.
+    pub direction: Vec3,
+    /// Direction of the ray: the same, or mirrored at the true surface.
+    pub way: Vec3,
+    /// The functions at `direction`.
+    pub y: &'a [f32; COUNT],
+}
+
 /// Casts the rays of points.
 pub(super) struct PointRays<'a, S: ?Sized> {
     surfaces: &'a S,
@@ -53,8 +63,8 @@ impl<'a, S: Surfaces + ?Sized> PointRays<'a, S> {
         self.points
     }
 
-    /// Casts the rays of a point; calls `visit` with the direction of each, the functions there, and the hit. Returns their number.
-    pub fn cast(&self, point: usize, mut visit: impl FnMut(Vec3, &[f32; COUNT], Option<Hit>)) -> u64 {
+    /// Casts the rays of a point; calls `visit` with each and its hit. Returns their number.
+    pub fn cast(&self, point: usize, mut visit: impl FnMut(PointRay<'_>, Option<Hit>)) -> u64 {
         let at = &self.points.points[point];
         let origin = at.position + at.geometric_normal * self.surfaces.epsilon_at(at.position);
         let mut rays = 0;
@@ -66,7 +76,8 @@ impl<'a, S: Surfaces + ?Sized> PointRays<'a, S> {
             let is_above = direction.dot(at.geometric_normal) > 0.0;
             let way = if is_above { *direction } else { direction.reflect(at.geometric_normal) };
             let ray = Ray { origin, direction: way, max_distance: f32::INFINITY, spread: 0.02 };
-            visit(*direction, y, self.surfaces.cast(&ray, mix(number as u64) as u32));
+            let hit = self.surfaces.cast(&ray, mix(number as u64) as u32);
+            visit(PointRay { direction: *direction, way, y }, hit);
         }
         rays
     }
