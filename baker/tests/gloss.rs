@@ -102,7 +102,7 @@ pub fn lighting(file: &BakedScene, lights: &[Light], environment: Option<&Arc<En
 /// The picture of a scene's camera with gloss.
 fn picture(scene: &Scene, file: &BakedScene, lighting: Lighting, samples: u32) -> Picture {
     let surfaces = TriangleSurfaces::from_scene(scene);
-    let relit = Relit::lit(file, &surfaces, lighting, false).with_gloss(file);
+    let relit = Relit::lit(file, &surfaces, lighting, false).with_gloss(file, &surfaces);
     let exposure = Exposure { size: [96, 96], samples, seed: 7 };
     relit.picture(file, &surfaces, &scene.cameras[0], exposure, Only::All, || ())
 }

@@ -8,6 +8,7 @@
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
 //! * `harmonics` – spherical harmonics; `ggx`, `gloss` – how rough metals and varnish reflect;
+//! * `cube_map` – rays through cube maps of the surroundings of metals, and light in them;
 //! * `diffuse_transfer` – irradiance of the points of a file that is for an environment;
 //! * [`elementary`] – elementary functions with the same bits on every platform;
 //! * [`environment`] – light from infinitely far: pictures, bins, suns, daylight;
@@ -31,6 +32,8 @@ pub mod basis;
 pub mod camera;
 pub mod clip_planes;
 pub mod colour;
+#[cfg(feature = "radiosity")]
+pub mod cube_map;
 #[cfg(feature = "radiosity")]
 pub mod diffuse_transfer;
 pub mod elementary;

@@ -31,6 +31,12 @@ pub struct Shot {
     /// Whether metals are GGX conductors whose reflectance is the base colour at every angle; otherwise they are Lambertian.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub gloss: bool,
+    /// Name or number of the animation that the scene's file is in, at [`Self::time`]; its first when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
+    /// Seconds from the animation's begin; at rest when neither this nor an animation is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
     /// Lights of the scene; without lights, and without surfaces that shine, the picture is black.
     #[serde(default)]
     pub lights: Vec<Light>,
@@ -49,7 +55,9 @@ impl Shot {
     /// Returns a shot without names, whose surfaces shine as the scene says.
     pub fn new(size: [u32; 2], camera: Camera, lights: Vec<Light>) -> Self {
         let (mix, moves, light_names) = Default::default();
-        Self { scene: None, size, camera, emission: 1.0, gloss: false, lights, mix, moves, light_names }
+        let (scene, animation, time) = Default::default();
+        let (emission, gloss) = (1.0, false);
+        Self { scene, size, camera, emission, gloss, animation, time, lights, mix, moves, light_names }
     }
 
     /// Resolves the names of emissive lights to numbers of groups of shining surfaces, by the names of the scene's
@@ -80,6 +88,11 @@ impl Shot {
 }
 
 impl Shot {
+    /// Whether the shot is of a moment of an animation.
+    pub fn is_animated(&self) -> bool {
+        self.animation.is_some() || self.time.is_some()
+    }
+
     /// Returns the motions of groups that the shot asks for; `origin` is that of local space.
     ///
     /// # Errors

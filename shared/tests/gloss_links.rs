@@ -13,12 +13,12 @@ use rebounce_shared::rbn::{GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, LinkMatrix, cont
 use std::f32::consts::{PI, TAU};
 
 /// A link over the first point.
-fn link(sender: u32, amount: f32) -> GlossLink {
+pub fn link(sender: u32, amount: f32) -> GlossLink {
     GlossLink::pack(sender, Vec3::new(0.3, -0.2, 0.9), amount, 0.9)
 }
 
 /// The scene with an emissive group and a row of links at its coarse point.
-fn glossy(row: Vec<GlossLink>) -> BakedScene {
+pub fn glossy(row: Vec<GlossLink>) -> BakedScene {
     let mut scene = scene();
     let group = EmissiveGroup { name: "lamp".into(), materials: vec![0], step: [1.0; 3], is_coloured: false };
     scene.sources = Sources { groups: vec![group], ..Sources::default() };

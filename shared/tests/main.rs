@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[cfg(feature = "radiosity")]
+mod cube_maps;
+#[cfg(feature = "radiosity")]
 mod diffuse_transfer;
 #[cfg(feature = "radiosity")]
 mod gloss;

@@ -1,6 +1,7 @@
-//! Support for tests that span crates: pictures of linear radiance, from the browser too; small bakes; damaged files; a vase.
+//! Support for tests that span crates: pictures of linear radiance, from the browser too; small bakes; damaged files; a vase; a walking figure.
 
 pub mod damage;
+pub mod figure;
 pub mod float_picture;
 pub mod small;
 pub mod vase;

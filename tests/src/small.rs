@@ -114,14 +114,18 @@ pub fn lit(functions: usize) -> Result<BakedScene> {
     Ok(bake(&all_lights()?, &settings(functions), &())?.0)
 }
 
-/// Bakes [`all_lights`] in metal, with glossy transfer.
+/// Bakes [`all_lights`] in metal, with glossy transfer and cube maps.
 ///
 /// # Errors
 /// Errors of loading and of the bake.
 pub fn shining(functions: usize) -> Result<BakedScene> {
     let mut scene = all_lights()?;
     scene.materials.iter_mut().for_each(|material| (material.metallic, material.roughness) = (1.0, 0.4));
-    Ok(bake(&scene, &settings(functions), &())?.0)
+    let mut settings = settings(functions);
+    if let Some(gloss) = &mut settings.gloss {
+        (gloss.cube_maps.count, gloss.cube_maps.side) = (2, 8);
+    }
+    Ok(bake(&scene, &settings, &())?.0)
 }
 
 /// Bakes [`all_lights`] for an environment.

@@ -18,6 +18,7 @@ mod direct;
 mod display;
 mod environment;
 mod exposure;
+mod figure;
 mod gloss;
 mod kinds;
 mod moving;

@@ -13,6 +13,7 @@ use rebounce::io::{Files, shot};
 use rebounce::scene::Scene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::rbn::cube_maps::MAX_MAPS;
 use rebounce_shared::shot::Shot;
 use std::path::{Path, PathBuf};
 
@@ -159,8 +160,11 @@ pub struct BakeArgs {
     #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
     later_levels: Option<usize>,
     /// How bounced light comes to metals
-    #[arg(long, value_enum, default_value = "links", help_heading = ADVANCED, hide_short_help = true)]
-    gloss_transfer: TransferName,
+    #[arg(long, value_enum, help_heading = ADVANCED, hide_short_help = true)]
+    gloss_transfer: Option<TransferName>,
+    /// Cube maps that metals reflect, and texels along an edge of their faces; 0 for none
+    #[arg(long, value_name = "COUNTxSIDE", help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::cube_maps(text, MAX_MAPS))]
+    cube_maps: Option<(usize, usize)>,
     #[command(flatten)]
     layout: LayoutArgs,
 }
@@ -187,6 +191,9 @@ impl BakeArgs {
                 (self.solver == SolverName::Radiosity, "--solver radiosity"),
                 (self.no_sources, "--no-sources"),
                 (self.target_error.is_some(), "--target-error"),
+                (self.gloss_transfer == Some(TransferName::Links), "--gloss-transfer links"),
+                (self.cube_maps.is_some(), "--cube-maps"),
+                (!self.viewpoint.is_empty(), "--viewpoint"),
             ];
             if let Some((_, option)) = other.into_iter().find(|(is_given, _)| *is_given) {
                 return Err(ArgsError::ForEnvironment(option));
@@ -238,8 +245,11 @@ impl BakeArgs {
         set(&mut s.operator.later_levels, &self.later_levels);
         set(&mut s.direct_levels, &self.direct_levels);
         self.layout.apply(&mut s);
-        if let (Some(gloss), PurposeName::Room) = (&mut s.gloss, self.purpose) {
-            gloss.transfer = self.gloss_transfer.into();
+        if let (Some(gloss), Some(transfer)) = (&mut s.gloss, self.gloss_transfer) {
+            gloss.transfer = transfer.into();
+        }
+        if let (Some(gloss), Some((count, side))) = (&mut s.gloss, self.cube_maps) {
+            (gloss.cube_maps.count, gloss.cube_maps.side) = (count, side);
         }
         if let (Some(gloss), Some((metals, others))) = (&mut s.gloss, self.gloss_roughness) {
             gloss.metals = metals;

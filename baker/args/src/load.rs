@@ -4,9 +4,10 @@ use crate::error::ArgsError;
 use crate::number;
 use crate::sky::SkyArgs;
 use clap::Args;
-use rebounce::io::{Files, GroupOption, LoadOptions, load_by_name, read_looks};
-use rebounce::scene::Scene;
+use rebounce::io::{Files, GroupOption, LoadOptions, PoseOption, load_by_name, read_looks};
+use rebounce::scene::{Scene, SceneError};
 use rebounce_shared::rbn::groups::MAX_DENSITY;
+use rebounce_shared::shot::Shot;
 use std::path::PathBuf;
 
 /// Arguments about the scene's file.
@@ -30,6 +31,19 @@ pub struct LoadArgs {
     /// Looks of parts or materials by their names (docs/guide/step.md): color, roughness, metallic, emission
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "FILE.json")]
     materials: Option<PathBuf>,
+    /// The animation whose moment --time the scene is in, by its name or number; its first when absent
+    #[arg(
+        long,
+        help_heading = "The scene's file",
+        hide_short_help = true,
+        value_name = "N|NAME",
+        requires = "time"
+    )]
+    animation: Option<String>,
+    /// Seconds: nodes, skins and morph targets stand as an animation has them then; at rest when absent. Of several files,
+    /// those that have the animation
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "SECONDS", value_parser = number::at_least_zero)]
+    time: Option<f64>,
     /// Puts another file, .glb, .gltf or .step, into the scene; may be given several times
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "FILE")]
     add: Vec<String>,
@@ -66,21 +80,72 @@ impl LoadArgs {
         all_nodes_move: bool,
         note: &mut dyn FnMut(&str),
     ) -> Result<Scene, ArgsError> {
+        let pose = self.time.map(|time| PoseOption { animation: self.animation.clone(), time });
+        self.load_posed(files, spec, all_nodes_move, pose, note)
+    }
+
+    /// As [`Self::load`], with the pose of a shot, or that of the arguments.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_for(
+        &self,
+        files: &dyn Files,
+        spec: &str,
+        shot: &Shot,
+        note: &mut dyn FnMut(&str),
+    ) -> Result<Scene, ArgsError> {
+        let all_nodes_move = !shot.moves.is_empty();
+        if !shot.is_animated() {
+            return self.load(files, spec, all_nodes_move, note);
+        }
+        let pose = PoseOption { animation: shot.animation.clone(), time: shot.time.unwrap_or_default() };
+        self.load_posed(files, spec, all_nodes_move, Some(pose), note)
+    }
+
+    fn load_posed(
+        &self,
+        files: &dyn Files,
+        spec: &str,
+        all_nodes_move: bool,
+        pose: Option<PoseOption>,
+        note: &mut dyn FnMut(&str),
+    ) -> Result<Scene, ArgsError> {
         let options = LoadOptions {
             scene: self.choice.clone(),
             albedo: self.albedo,
             light_groups: self.light_group.clone(),
             groups: self.group.clone(),
             all_nodes_move,
+            pose,
         };
         if self.at.len() > self.add.len() {
             return Err(ArgsError::Places { files: self.add.len(), places: self.at.len() });
         }
-        let mut scene = load_by_name(files, spec, &options)?;
+        // Files without the animation are at rest where another one has it.
+        let mut lacking = None;
+        let mut posed = 0;
+        let mut load = |spec: &str, options: LoadOptions| {
+            let is_posed = options.pose.is_some();
+            match load_by_name(files, spec, &options) {
+                Err(error @ SceneError::NoAnimation { .. }) if !self.add.is_empty() => {
+                    lacking.get_or_insert(error);
+                    load_by_name(files, spec, &LoadOptions { pose: None, ..options })
+                }
+                loaded => {
+                    posed += usize::from(is_posed && loaded.is_ok());
+                    loaded
+                }
+            }
+        };
+        let mut scene = load(spec, options.clone())?;
         for (number, spec) in self.add.iter().enumerate() {
             let options = LoadOptions { scene: None, ..options.clone() };
             let at = self.at.get(number).copied().unwrap_or_default();
-            scene.add(load_by_name(files, spec, &options)?, at.into())?;
+            scene.add(load(spec, options)?, at.into())?;
+        }
+        if let Some(error) = lacking.filter(|_| posed == 0) {
+            return Err(error.into());
         }
         if let Some(path) = &self.materials {
             for name in scene.apply_looks(&read_looks(files, path)?) {

@@ -1,5 +1,6 @@
 //! Parsers of numeric arguments, with checks of the range.
 
+use rebounce_shared::rbn::cube_maps::MAX_SIDE;
 use std::ops::RangeInclusive;
 
 /// Parses a finite number accepted by `is_fine`; `wanted` begins the error message.
@@ -86,6 +87,25 @@ pub fn one_or_two(text: &str) -> Result<(f32, Option<f32>), String> {
         Some((first, second)) => Ok((at_least_zero_single(first)?, Some(at_least_zero_single(second)?))),
         None => Ok((at_least_zero_single(text)?, None)),
     }
+}
+
+/// Parses a number of cube maps, at most `most`, and texels along an edge of their faces, as in `16x32`; `0` for no maps.
+///
+/// # Errors
+/// The expected format.
+pub fn cube_maps(text: &str, most: usize) -> Result<(usize, usize), String> {
+    if text.trim() == "0" {
+        return Ok((0, 1));
+    }
+    let number = |part: &str, most: usize| part.trim().parse().ok().filter(|n| (1..=most).contains(n));
+    text.split_once(['x', 'X'])
+        .and_then(|(count, side)| Some((number(count, most)?, number(side, MAX_SIDE as usize)?)))
+        .filter(|(_, side)| side.is_power_of_two())
+        .ok_or_else(|| {
+            format!(
+                "give count x side, to {most}x{MAX_SIDE}, the side a power of two, as in 16x32; 0 for none"
+            )
+        })
 }
 
 /// Parses a number within `range`.

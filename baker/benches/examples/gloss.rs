@@ -270,7 +270,7 @@ fn error(
     let lighting = Lighting::new(&[SKY], Some(sky), bake.file.meta.origin, groups);
     let field = GlossyField::new(&bake.file, &lighting, &[]);
     let lamps = lighting.lamps.clone();
-    let relit = Relit::lit(&bake.file, &surfaces, lighting, false).with_gloss(&bake.file);
+    let relit = Relit::lit(&bake.file, &surfaces, lighting, false).with_gloss(&bake.file, &surfaces);
     let basis = Leveled::of_baked(&bake.file);
     let lobe = lobe(roughness);
     let harmonics = |ray: &Ray, hit: &Hit, stream: &mut Stream| {

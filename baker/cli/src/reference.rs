@@ -34,10 +34,12 @@ pub struct ReferenceArgs {
 /// Runs the command.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
-    let moves = shot.as_ref().is_some_and(|shot| !shot.moves.is_empty());
-    let mut scene = args.load.load(&Disk, &args.scene, moves, &mut note)?;
+    let mut scene = match &shot {
+        Some(shot) => args.load.load_for(&Disk, &args.scene, shot, &mut note)?,
+        None => args.load.load(&Disk, &args.scene, false, &mut note)?,
+    };
     warn(&scene);
-    if let Some(shot) = shot.as_ref().filter(|_| moves) {
+    if let Some(shot) = shot.as_ref().filter(|shot| !shot.moves.is_empty()) {
         let motions = shot.motions(&scene.groups, scene.origin).map_err(anyhow::Error::msg)?;
         scene = scene.moved(&motions);
     }

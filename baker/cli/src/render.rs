@@ -2,16 +2,21 @@
 
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use super::read_baked;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
-use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapSettings};
+use rebounce::sampling::cube_maps::CubeMapSettings;
+use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapLookup};
 use rebounce::verify::render::reflections::{ReflectionView, Way};
 use rebounce::verify::render::{Relit, packed_environment};
+use rebounce_args::number;
 use rebounce_shared::light::LightKind;
 use rebounce_shared::lighting::Lighting;
 use std::path::PathBuf;
+
+/// Most cube maps that are made for a picture.
+const MOST_MAPS: usize = 256;
 
 /// Arguments of `rebounce render`.
 #[derive(Args, Debug)]
@@ -31,17 +36,19 @@ pub struct RenderArgs {
     #[arg(long)]
     no_detail: bool,
     /// What metals reflect, in a shot with gloss
-    #[arg(long, value_enum, default_value = "transfer")]
+    #[arg(long, value_enum, default_value = "baked")]
     reflections: ReflectionsArg,
-    /// Number of cube maps, and texels along an edge of their faces
-    #[arg(long, value_name = "COUNTxSIDE", value_parser = parse_cube_maps, default_value = "16x32")]
+    /// Number of cube maps that are made for the picture, and texels along an edge of their faces
+    #[arg(long, value_name = "COUNTxSIDE", value_parser = |text: &str| number::cube_maps(text, MOST_MAPS), default_value = "16x32")]
     cube_maps: (usize, usize),
 }
 
 /// What metals reflect.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ReflectionsArg {
-    /// The file's glossy transfer, as the page does
+    /// What is baked, as the page does: the file's cube maps, or its glossy transfer where it has none
+    Baked,
+    /// The file's glossy transfer
     Transfer,
     /// What rays find, one for each sample of a lobe
     Rays,
@@ -62,30 +69,24 @@ enum ReflectionsArg {
 }
 
 impl ReflectionsArg {
-    fn way(self, (count, side): (usize, usize)) -> Way {
+    fn way(self, (count, side): (usize, usize), view: ReflectionView) -> Way {
         let maps = CubeMapSettings { count, side, ..CubeMapSettings::default() };
+        let by = |correction| Way::CubeMaps(maps, CubeMapLookup { correction, with_transfer: false });
         match self {
+            Self::Baked => Way::Baked,
             Self::Transfer => Way::Transfer,
             Self::Rays => Way::Rays,
-            Self::CubeMaps => Way::CubeMaps(maps),
-            Self::CubeMapsTransfer => Way::CubeMaps(CubeMapSettings { with_transfer: true, ..maps }),
-            Self::CubeMapsMiddle => {
-                Way::CubeMaps(CubeMapSettings { correction: Correction::MiddleDepth, ..maps })
+            Self::CubeMaps => by(Correction::Depth),
+            Self::CubeMapsTransfer => {
+                Way::CubeMaps(maps, CubeMapLookup { correction: Correction::Depth, with_transfer: true })
             }
-            Self::Boxes => Way::CubeMaps(CubeMapSettings { correction: Correction::Box, ..maps }),
-            Self::Far => Way::CubeMaps(CubeMapSettings { correction: Correction::None, ..maps }),
-            Self::Screen => Way::Screen(None),
-            Self::ScreenCubeMaps => Way::Screen(Some(maps)),
+            Self::CubeMapsMiddle => by(Correction::MiddleDepth),
+            Self::Boxes => by(Correction::Box),
+            Self::Far => by(Correction::None),
+            Self::Screen => Way::Screen(view, None),
+            Self::ScreenCubeMaps => Way::Screen(view, Some(maps)),
         }
     }
-}
-
-fn parse_cube_maps(text: &str) -> Result<(usize, usize), String> {
-    let number = |part: &str, most: usize| part.trim().parse().ok().filter(|n| (1..=most).contains(n));
-    text.split_once(['x', 'X'])
-        .and_then(|(count, side)| Some((number(count, 256)?, number(side, 256)?)))
-        .filter(|(_, side)| side.is_power_of_two())
-        .ok_or_else(|| "give count x side, to 256, the side a power of two, as in 16x32".to_owned())
 }
 
 /// Says what the reflections of a picture cost.
@@ -112,6 +113,12 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let (_, scene) = read_baked(&args.file)?;
     let name = args.file.display().to_string();
     let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
+    if shot.is_animated() {
+        bail!(
+            "{name} is a scene as it was baked, and does not follow the animation of a shot: bake the moment, \
+             `rebounce bake SCENE --animation NAME --time SECONDS`, and leave animation and time out of the shot"
+        );
+    }
     let names: Vec<String> = scene.sources.groups.iter().map(|group| group.name.clone()).collect();
     let own = packed_environment(&scene);
     let (shot, environment) = match scene.is_solved() {
@@ -132,8 +139,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let relit = Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions);
     let frame = shot.camera.frame(scene.meta.origin);
     let relit = if shot.gloss {
-        let way = args.reflections.way(args.cube_maps);
-        relit.with_reflections(&scene, &with_lights, &way, &ReflectionView { frame, size: exposure.size })
+        let view = ReflectionView { frame, size: exposure.size };
+        relit.with_reflections(&scene, &with_lights, &args.reflections.way(args.cube_maps, view))
     } else {
         relit
     };

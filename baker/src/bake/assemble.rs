@@ -17,6 +17,7 @@ use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
+use rebounce_shared::rbn::cube_maps::CubeMaps;
 use rebounce_shared::rbn::diffuse_transfer::DiffuseTransfer;
 use rebounce_shared::rbn::gloss::Gloss;
 use rebounce_shared::rbn::light_groups::LightGroups;
@@ -102,6 +103,7 @@ pub(super) fn assemble(
         light_groups: LightGroups::default(),
         lightmap: Lightmap::default(),
         gloss: Gloss::default(),
+        cube_maps: CubeMaps::default(),
         diffuse_transfer: DiffuseTransfer::default(),
     }
 }

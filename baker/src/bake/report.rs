@@ -318,6 +318,9 @@ impl fmt::Display for BakeReport {
                 links as f64 / points as f64
             )?;
         }
+        if gloss.cube_maps > 0 {
+            writeln!(f, "cube maps     {} of {} texels in all", gloss.cube_maps, gloss.cube_map_texels)?;
+        }
         if gloss.matrices > 0 {
             writeln!(
                 f,

@@ -14,6 +14,7 @@ use crate::job::reporter::Quiet;
 use crate::job::stage::Stage;
 use crate::job::watch::{Stopped, Uncounted, Watch};
 use crate::light::direct::at_footprint;
+use crate::sampling::cube_maps::cube_maps;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
@@ -174,6 +175,13 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             let task = tracker.task(Stage::Gloss, None);
             let found = glossy_transfer(self.surfaces, &points, &file, gloss, &task)?;
             (file.gloss, report.gloss) = found;
+            // Maps show where things stand.
+            let stands = file.groups.nodes.is_empty();
+            if cfg!(feature = "gloss") && stands && !file.gloss.links.is_empty() {
+                file.cube_maps = cube_maps(self.surfaces, &file, &gloss.cube_maps);
+                report.gloss.cube_maps = file.cube_maps.layout.places.len() as u64;
+                report.gloss.cube_map_texels = file.cube_maps.texels.len() as u64;
+            }
         }
         if settings.purpose == Purpose::Environment {
             let task = tracker.task(Stage::Gloss, None);

@@ -49,6 +49,7 @@ fn builtin(spec: &str, name: &str, options: &LoadOptions) -> Result<Scene, Scene
             advice: "leave --scene out, as it is one scene".to_owned(),
         });
     }
+    options.at_rest(spec)?;
     let mut scene = crate::demo::load(name)?;
     scene.notes.extend(options.albedo.map(|_| UNUSED_ALBEDO.to_owned()));
     Ok(scene)

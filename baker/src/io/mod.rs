@@ -28,6 +28,6 @@ pub use files::Files;
 pub use load::from_bytes;
 pub use load::{load, load_by_name, load_from, load_with};
 pub use material_looks::read_looks;
-pub use options::{GroupOption, LoadOptions};
+pub use options::{GroupOption, LoadOptions, PoseOption};
 pub use save::{SaveError, save};
 pub use step::is_step;

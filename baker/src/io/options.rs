@@ -13,6 +13,17 @@ pub struct LoadOptions {
     pub groups: Vec<GroupOption>,
     /// Whether every node with a mesh may move, and is a reconstruction group.
     pub all_nodes_move: bool,
+    /// The moment of an animation that nodes, skins and morph targets are in; at rest when absent.
+    pub pose: Option<PoseOption>,
+}
+
+/// A moment of an animation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PoseOption {
+    /// Name or number of the animation; the file's first when absent.
+    pub animation: Option<String>,
+    /// Seconds; beyond an animation's keys its first or last one holds.
+    pub time: f64,
 }
 
 /// A reconstruction group: all that is at and below the nodes of this name, or the surfaces of the material.
@@ -22,6 +33,22 @@ pub struct GroupOption {
     pub name: String,
     /// Functions for an area, relative to other surfaces.
     pub density: f32,
+}
+
+impl LoadOptions {
+    /// Refuses a pose for a file that has no animations.
+    ///
+    /// # Errors
+    /// [`SceneError::NoAnimation`].
+    #[cfg(any(feature = "step", feature = "demo-scenes"))]
+    pub(super) fn at_rest(&self, file: &str) -> Result<(), crate::scene::SceneError> {
+        let Some(pose) = &self.pose else { return Ok(()) };
+        Err(crate::scene::SceneError::NoAnimation {
+            file: file.to_owned(),
+            wanted: pose.animation.clone().unwrap_or_default(),
+            advice: "it has none: leave out the animation and its time".to_owned(),
+        })
+    }
 }
 
 /// Note for an unused albedo for meshes without a material.

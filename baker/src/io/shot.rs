@@ -72,7 +72,8 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 }
 
 /// Known members of a shot, of its camera, and of lights by type.
-const SHOT: &[&str] = &["scene", "size", "camera", "emission", "gloss", "lights", "mix", "move"];
+const SHOT: &[&str] =
+    &["scene", "size", "camera", "emission", "gloss", "animation", "time", "lights", "mix", "move"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
 /// Name of a light; of an emissive light, the name of its group.
@@ -145,6 +146,9 @@ fn check(shot: &Shot) -> Result<(), String> {
     }
     if !(0.0..1e18).contains(&shot.emission) {
         return Err("emission is a factor, 0 or more".into());
+    }
+    if shot.time.is_some_and(|time| !(0.0..1e9).contains(&time)) {
+        return Err("time is in seconds, 0 or more".into());
     }
     let environments = shot.lights.iter().filter(|light| light.kind() == LightKind::Environment);
     if environments.count() > 1 {

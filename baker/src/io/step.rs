@@ -26,6 +26,7 @@ pub(super) fn load(files: &dyn Files, path: &Path, options: &LoadOptions) -> Res
 
 #[cfg(feature = "step")]
 fn convert(file: &str, name: String, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
+    options.at_rest(file)?;
     if let Some(wanted) = options.scene.clone() {
         let advice = "leave --scene out, as it is one scene".to_owned();
         return Err(SceneError::NoScene { file: file.to_owned(), wanted, advice });

@@ -9,11 +9,13 @@
 //!   distribution; [`fill`] – filling of the remaining gaps;
 //! * [`round`] – rounding to the file's precision;
 //! * `around` – surfaces around a point; `clip_planes` – planes that end supports at walls;
+//! * [`mod@cube_maps`] – what is seen from places near metals;
 //! * [`mod@footprint`] – samples of direct light; [`mod@openness`] – share of the hemisphere free of near surfaces.
 
 mod around;
 pub(crate) mod candidates;
 mod clip_planes;
+pub mod cube_maps;
 pub mod emitter;
 mod fill;
 mod focus;

@@ -94,6 +94,16 @@ pub enum SceneError {
         /// Advice for the choice of a scene.
         advice: String,
     },
+    /// The animation asked for is not in the file.
+    #[error("{file} has no animation `{wanted}`: {advice}")]
+    NoAnimation {
+        /// The file.
+        file: String,
+        /// The animation asked for, empty for any.
+        wanted: String,
+        /// Advice for the choice of an animation.
+        advice: String,
+    },
     /// The default scene is empty and several other scenes are not.
     #[error(
         "{file}: {scene}, its default, has no mesh, and others have: give --scene one of them; they are {known}"

@@ -1,5 +1,7 @@
 //! Settings and figures of glossy transfer.
 
+use crate::sampling::cube_maps::CubeMapSettings;
+
 /// How bounced light comes to glossy surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
@@ -34,6 +36,8 @@ pub struct GlossSettings {
     /// Whether matrices hold the environment's light that did not bounce, as the report has it; otherwise pictures read it
     /// from the environment, where it is seen.
     pub has_direct: bool,
+    /// Cube maps beside links; they are made where no node may move.
+    pub cube_maps: CubeMapSettings,
 }
 
 impl Default for GlossSettings {
@@ -49,6 +53,7 @@ impl Default for GlossSettings {
             most: 24_000,
             components: 24,
             has_direct: false,
+            cube_maps: CubeMapSettings::default(),
         }
     }
 }
@@ -64,6 +69,10 @@ pub struct GlossReport {
     pub linked_points: u64,
     /// Links of all of them.
     pub links: u64,
+    /// Cube maps of the surroundings of metals.
+    pub cube_maps: u64,
+    /// Texels of all of them.
+    pub cube_map_texels: u64,
     /// Rays cast.
     pub rays: u64,
     /// Root mean square of what compression changes in the matrices, relative to their own.

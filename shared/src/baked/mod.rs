@@ -14,6 +14,8 @@ use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
 #[cfg(feature = "radiosity")]
+use crate::rbn::cube_maps::CubeMaps;
+#[cfg(feature = "radiosity")]
 use crate::rbn::diffuse_transfer::DiffuseTransfer;
 #[cfg(feature = "radiosity")]
 use crate::rbn::gloss::Gloss;
@@ -77,6 +79,9 @@ pub struct BakedScene {
     /// What arrives at points of glossy surfaces from each direction, if there are any.
     #[cfg(feature = "radiosity")]
     pub gloss: Gloss,
+    /// What is seen from places near metals, if there are any.
+    #[cfg(feature = "radiosity")]
+    pub cube_maps: CubeMaps,
     /// From the environment to irradiance along the points' normals, in place of links; empty where light comes by links.
     #[cfg(feature = "radiosity")]
     pub diffuse_transfer: DiffuseTransfer,
@@ -305,6 +310,10 @@ impl BakedScene {
         let of_transfer = self.transfer_sections()?;
         #[cfg(feature = "radiosity")]
         sections.extend(of_transfer.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let of_cube_maps = self.cube_map_sections()?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(of_cube_maps.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -360,6 +369,8 @@ impl BakedScene {
             lightmap: Lightmap::default(),
             #[cfg(feature = "radiosity")]
             gloss: Gloss::default(),
+            #[cfg(feature = "radiosity")]
+            cube_maps: CubeMaps::default(),
             #[cfg(feature = "radiosity")]
             diffuse_transfer: DiffuseTransfer::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),

@@ -2,13 +2,14 @@
 
 use super::{BakedScene, packed_bytes, records, unpacked_bytes};
 use crate::rbn::codec::{MOST_TIMES, columns};
+use crate::rbn::cube_maps::{self, CubeMaps};
 use crate::rbn::diffuse_transfer::{self, DiffuseTransfer};
 use crate::rbn::gloss::{self, Gloss};
 use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::{
-    DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS, LIGHTMAP_SECTIONS, LinkMatrix,
-    RbnError, SPECULAR_SECTION, groups, specular,
+    CUBE_MAP_SECTIONS, DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS,
+    LIGHTMAP_SECTIONS, LinkMatrix, RbnError, SPECULAR_SECTION, groups, specular,
 };
 
 /// A section's name and bytes.
@@ -64,7 +65,17 @@ impl BakedScene {
         Ok(DIFFUSE_SECTIONS.into_iter().zip(sections).collect())
     }
 
-    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy and diffuse transfer, of groups and
+    /// Packs the sections of cube maps; none without them.
+    pub(super) fn cube_map_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
+        let CubeMaps { layout, texels } = &self.cube_maps;
+        if self.cube_maps.is_empty() {
+            return Ok(Vec::new());
+        }
+        let packed = [cube_maps::encode(layout)?, columns::encode(texels)];
+        Ok(CUBE_MAP_SECTIONS.into_iter().zip(packed).collect())
+    }
+
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy and diffuse transfer, of cube maps, of groups and
     /// of reflectances.
     pub(super) fn read_groups<'f>(
         &mut self,
@@ -119,6 +130,12 @@ impl BakedScene {
                 weights: unpacked(*b"GLWT")?,
                 vectors: unpacked(*b"GLBS")?,
                 links,
+            };
+        }
+        if CUBE_MAP_SECTIONS.into_iter().any(has) {
+            self.cube_maps = CubeMaps {
+                layout: cube_maps::decode(bytes(*b"CMLY")?)?,
+                texels: records("CMTX", bytes(*b"CMTX")?)?,
             };
         }
         let mut of_material = Vec::new();

@@ -6,6 +6,7 @@
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`lightmap`] – the same as a texture;
 //! * `gloss` – glossy transfer; `gloss_links` – its links from the scene's surfaces;
+//! * `cube_maps` – surfaces around metals, for pictures to light;
 //! * `diffuse_transfer` – from the environment to the points, in place of links; `clustered` – how either is compressed;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
@@ -20,6 +21,8 @@ pub mod bulk;
 pub mod clustered;
 pub mod codec;
 pub mod container;
+#[cfg(feature = "radiosity")]
+pub mod cube_maps;
 #[cfg(feature = "radiosity")]
 pub mod diffuse_transfer;
 pub mod extras;
@@ -71,6 +74,8 @@ pub const GLOSS_SECTIONS: [[u8; 4]; 5] = [*b"GLSY", *b"GLPT", *b"GLCL", *b"GLWT"
 pub const GLOSS_LINK_SECTIONS: [[u8; 4]; 2] = [*b"GLLK", *b"GLLO"];
 /// Names of the optional sections of diffuse transfer, after those of glossy links.
 pub const DIFFUSE_SECTIONS: [[u8; 4]; 4] = [*b"DTLY", *b"DTCL", *b"DTWT", *b"DTBS"];
+/// Names of the optional sections of cube maps, after those of diffuse transfer.
+pub const CUBE_MAP_SECTIONS: [[u8; 4]; 2] = [*b"CMLY", *b"CMTX"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -6,6 +6,7 @@ use rebounce_fuzz::bounded;
 use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{MOST_TIMES, Reader, Writer, columns, links};
+use rebounce_shared::rbn::cube_maps::{self, CubeTexel};
 use rebounce_shared::rbn::diffuse_transfer;
 use rebounce_shared::rbn::gloss;
 use rebounce_shared::rbn::light_groups::{self, GroupValue};
@@ -40,7 +41,7 @@ fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 26 {
+    match which % 28 {
         0 => whole(section, meta::decode, |meta| meta::encode(meta).expect("it was as small before")),
         1 => records::<Vertex>(section),
         2 => records::<u32>(section),
@@ -70,6 +71,10 @@ fuzz_target!(|bytes: &[u8]| {
         22 => whole(section, diffuse_transfer::decode, |layout| {
             diffuse_transfer::encode(layout).expect("it was as small before")
         }),
+        26 => whole(section, cube_maps::decode, |layout| {
+            cube_maps::encode(layout).expect("it was as small before")
+        }),
+        27 => records::<CubeTexel>(section),
         // Clusters, weights and vectors of glossy and diffuse transfer.
         _ => plain(section),
     }

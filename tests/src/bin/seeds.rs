@@ -30,10 +30,10 @@ fn main() -> Result<()> {
         write("scene", short, &file)?;
         // The first byte of a seed selects the section.
         for section in container::read(&file)? {
-            const TOLD: [&[u8; 4]; 26] = [
+            const TOLD: [&[u8; 4]; 28] = [
                 b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY", b"SRCS",
                 b"SRCL", b"LGRP", b"LVAL", b"LMAP", b"LMUV", b"LMOF", b"LMTX", b"GLSY", b"GLPT", b"GLCL",
-                b"GLWT", b"GLBS", b"DTLY", b"DTCL", b"DTWT", b"DTBS",
+                b"GLWT", b"GLBS", b"DTLY", b"DTCL", b"DTWT", b"DTBS", b"CMLY", b"CMTX",
             ];
             let told = (0u8..).zip(TOLD).find(|(_, name)| **name == section.name);
             let Some((which, _)) = told else { continue };

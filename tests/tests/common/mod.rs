@@ -74,7 +74,7 @@ pub fn radiance(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3>
 /// Returns the CPU's radiance of all light for a scene's first camera, with metals as conductors.
 pub fn conductors(scene: &BakedScene, lights: &[Light], size: [u32; 2]) -> Vec<Vec3> {
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
-    let relit = Relit::new(scene, &surfaces, lights, false).with_gloss(scene);
+    let relit = Relit::new(scene, &surfaces, lights, false).with_gloss(scene, &surfaces);
     let exposure = Exposure { size, samples: 64, seed: 5 };
     relit.picture(scene, &surfaces, &scene.meta.cameras[0], exposure, Only::All, || ()).pixels
 }

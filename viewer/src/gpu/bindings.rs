@@ -29,6 +29,15 @@ pub enum Slot {
     DepthArray,
     /// An array of float textures, sampled with filtering.
     TextureArray,
+    /// An array of float cubes, sampled with filtering.
+    #[cfg(feature = "radiosity")]
+    CubeArray,
+    /// An array of float cubes of any float format, sampled without filtering.
+    #[cfg(feature = "radiosity")]
+    UnfilteredCubeArray,
+    /// An array of float textures of this format, written.
+    #[cfg(feature = "radiosity")]
+    WriteArray(wgpu::TextureFormat),
     /// A filtering sampler.
     Sampler,
     /// A comparison sampler.
@@ -66,6 +75,20 @@ impl Slot {
             Self::TextureArray => {
                 texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array)
             }
+            #[cfg(feature = "radiosity")]
+            Self::CubeArray => {
+                texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::CubeArray)
+            }
+            #[cfg(feature = "radiosity")]
+            Self::UnfilteredCubeArray => {
+                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::CubeArray)
+            }
+            #[cfg(feature = "radiosity")]
+            Self::WriteArray(format) => BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format,
+                view_dimension: TextureViewDimension::D2Array,
+            },
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
             Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
             Self::Unfiltered => BindingType::Sampler(SamplerBindingType::NonFiltering),

@@ -9,6 +9,7 @@ use crate::gpu::bindings::{
     layout, opaque, target, view,
 };
 use crate::gpu::scope::Scope;
+use crate::scene::sky::MOST_SKIES;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use std::cell::{OnceCell, RefCell};
@@ -48,9 +49,6 @@ pub struct Shading {
     /// By sky: factor of the texture, RGB, and rotation in radians.
     pub sky: [[f32; 4]; MOST_SKIES],
 }
-
-/// Maximum number of environment lights seen behind a scene.
-pub const MOST_SKIES: usize = 4;
 
 /// The scene has detail textures, beyond base colour and transmission.
 pub const DETAILED: u32 = 1;

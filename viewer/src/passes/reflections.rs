@@ -8,7 +8,7 @@ use crate::gpu::bindings::{
 use crate::gpu::scope::Scope;
 use crate::scene::GpuScene;
 use crate::scene::gloss::GpuGloss;
-use crate::scene::sky::ReflectedTexture;
+use crate::scene::sky::{MOST_SKIES, ReflectedTexture};
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::harmonics::{COUNT, Coefficients};
@@ -17,8 +17,6 @@ use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
 /// Format of the picture: light may be very bright.
 const LIGHT: TextureFormat = TextureFormat::Rgba32Float;
-/// Maximum number of skies that are reflected.
-pub const MOST_SKIES: usize = super::composite::MOST_SKIES;
 
 /// The G-buffer holds what textures say.
 const DETAILED: u32 = 1;
@@ -37,6 +35,10 @@ struct Reflecting {
     flags: u32,
     metals: f32,
     others: f32,
+    maps: u32,
+    map_side: f32,
+    map_unit: f32,
+    pad: u32,
 }
 
 /// Distant light as surfaces reflect it.
@@ -47,12 +49,22 @@ pub struct DistantLight<'a> {
     pub coefficients: &'a Coefficients,
     /// Metals are GGX conductors of constant reflectance, and nothing else shines: as SHOT.json's `gloss` has it.
     pub conductors: bool,
+    /// Factor of radiance in cube maps.
+    pub map_unit: f32,
+}
+
+/// Samplers of the pass.
+struct Samplers {
+    /// Trilinear.
+    around: wgpu::Sampler,
+    /// Of distances.
+    nearest: wgpu::Sampler,
 }
 
 /// The pipeline; made on first use.
 #[derive(Default)]
 pub struct ReflectionsPass {
-    made: OnceCell<(wgpu::BindGroupLayout, wgpu::RenderPipeline, wgpu::Sampler)>,
+    made: OnceCell<(wgpu::BindGroupLayout, wgpu::RenderPipeline, Samplers)>,
 }
 
 /// The picture of one size.
@@ -80,7 +92,7 @@ pub struct ReflectionsSources<'a> {
 }
 
 impl ReflectionsPass {
-    fn made(&self, gpu: &Gpu) -> &(wgpu::BindGroupLayout, wgpu::RenderPipeline, wgpu::Sampler) {
+    fn made(&self, gpu: &Gpu) -> &(wgpu::BindGroupLayout, wgpu::RenderPipeline, Samplers) {
         self.made.get_or_init(|| {
             let slots = [
                 Slot::Uniform,
@@ -96,6 +108,11 @@ impl ReflectionsPass {
                 Slot::Uniform,
                 Slot::Texture,
                 Slot::Sampler,
+                Slot::Read,
+                Slot::UnfilteredCubeArray,
+                Slot::Unfiltered,
+                Slot::CubeArray,
+                Slot::Sampler,
             ];
             let layout = layout(gpu, "reflections", ShaderStages::FRAGMENT, &slots);
             let pipeline = Draw {
@@ -107,17 +124,25 @@ impl ReflectionsPass {
                 ..Default::default()
             }
             .pipeline(gpu);
-            (layout, pipeline, around(gpu))
+            let nearest = gpu.device.create_sampler(&Default::default());
+            (layout, pipeline, Samplers { around: around(gpu), nearest })
         })
     }
 
     /// Creates a picture of this size.
     pub fn target(&self, scope: &Scope, from: &ReflectionsSources<'_>, size: [u32; 2]) -> ReflectionsTarget {
-        let (layout, _, sampler) = self.made(scope);
+        let (layout, _, samplers) = self.made(scope);
         let picture = target(scope, "reflections", LIGHT, size[0], size[1]);
-        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let usage = BufferUsages::UNIFORM | BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let uniform = empty_buffer(scope, "reflecting", usage, size_of::<Reflecting>() as u64);
         let [slots, rows, by_pixel] = from.slots;
+        let maps = from.scene.cube_maps.as_ref().map(|maps| &maps.textures);
+        // Placeholders, not read without maps.
+        let no_maps = maps.is_none().then(|| no_maps(scope));
+        let [distances, radiance] = match (maps, &no_maps) {
+            (Some(maps), _) => [&maps.distances, &maps.radiance],
+            (None, none) => [none.as_ref().unwrap_or(&from.gbuffer.albedo); 2],
+        };
         let resources = [
             from.frame.as_entire_binding(),
             slots.as_entire_binding(),
@@ -132,7 +157,12 @@ impl ReflectionsPass {
             uniform.as_entire_binding(),
             // A placeholder: not read without skies.
             view(from.sky.map_or(&from.gbuffer.albedo, |sky| &sky.view)),
-            wgpu::BindingResource::Sampler(sampler),
+            wgpu::BindingResource::Sampler(&samplers.around),
+            maps.map_or(&uniform, |maps| &maps.places).as_entire_binding(),
+            view(distances),
+            wgpu::BindingResource::Sampler(&samplers.nearest),
+            view(radiance),
+            wgpu::BindingResource::Sampler(&samplers.around),
         ];
         ReflectionsTarget {
             bound: group(scope, "reflections", layout, &resources),
@@ -162,6 +192,10 @@ impl ReflectionsPass {
                 | flag(gloss.layout.has_direct, HAS_DIRECT),
             metals,
             others,
+            maps: scene.cube_maps.as_ref().map_or(0, |maps| maps.count),
+            map_side: scene.cube_maps.as_ref().map_or(1.0, |maps| maps.side as f32),
+            map_unit: light.map_unit,
+            pad: 0,
         };
         gpu.queue.write_buffer(&target.uniform, 0, bytemuck::bytes_of(&reflecting));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -173,4 +207,22 @@ impl ReflectionsPass {
         pass.set_bind_group(0, &target.bound, &[]);
         pass.draw(0..3, 0..1);
     }
+}
+
+/// A cube of a texel a face.
+fn no_maps(scope: &Scope) -> wgpu::TextureView {
+    let texture = scope.texture(&wgpu::TextureDescriptor {
+        label: Some("no cube maps"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 6 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::CubeArray),
+        ..Default::default()
+    })
 }

@@ -13,6 +13,7 @@ use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
 use crate::scene::blended_fit;
 use crate::scene::relight::Parts;
+use crate::scene::sky::MOST_SKIES;
 use crate::scene::view::{Frame, Sample, frame};
 use rebounce_shared::lighting::Background;
 use wgpu::TextureFormat;
@@ -73,6 +74,8 @@ impl Renderer {
         }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
+            #[cfg(feature = "radiosity")]
+            self.light_cube_maps(encoder, scene, None);
             return;
         }
         let choice = self.still.choose(self.shadows.lights());
@@ -82,6 +85,8 @@ impl Renderer {
             self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute(true, true));
         scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;
+        #[cfg(feature = "radiosity")]
+        self.light_cube_maps(encoder, scene, Some(self.shadows.group()));
         #[cfg(feature = "radiosity")]
         if let Some((moving, pipelines)) = super::moving::solving(&self.pipelines, scene) {
             moving.show(&self.gpu, encoder, pipelines, &scene.relight);
@@ -281,7 +286,7 @@ impl Renderer {
     fn skies(&self) -> Vec<[f32; 4]> {
         let scale = self.lit.sky.as_ref().map_or(0.0, |sky| sky.scale);
         let sky = |of: &Background| (of.factor * scale).extend(of.rotation_deg.to_radians()).to_array();
-        self.lit.lighting.background.iter().take(composite::MOST_SKIES).map(sky).collect()
+        self.lit.lighting.background.iter().take(MOST_SKIES).map(sky).collect()
     }
 
     pub(super) fn draw_overlay(

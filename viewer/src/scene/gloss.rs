@@ -1,5 +1,6 @@
 //! Glossy transfer on the GPU: what arrives at points of glossy surfaces from each direction.
 
+use super::cube_maps::CubeMapKernels;
 use super::upload::Upload;
 use crate::error::ViewerError;
 use crate::gpu::bindings::{Slot, WORKGROUP, buffer, compute, empty_buffer, grid, group, layout, part};
@@ -11,7 +12,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::harmonics::{COUNT, Coefficients};
 use rebounce_shared::rbn::gloss::GlossLayout;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -39,6 +40,8 @@ pub struct GlossKernels {
     vectors: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     arrive: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     links: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    /// Cube maps; made for the first scene with them.
+    pub cube_maps: OnceCell<CubeMapKernels>,
 }
 
 /// What a dispatch runs.
@@ -67,6 +70,7 @@ impl GlossKernels {
             vectors: made("light_vectors", shaders::LIGHT_VECTORS, 3),
             arrive: made("arrive", shaders::ARRIVE, 7),
             links: made("gloss_links", shaders::GLOSS_LINKS, 6),
+            cube_maps: OnceCell::new(),
         }
     }
 }
@@ -81,7 +85,7 @@ pub struct GpuGloss {
     pub arriving: wgpu::Buffer,
     sky: wgpu::Buffer,
     /// Radiance of the groups of emissive surfaces.
-    emission: wgpu::Buffer,
+    pub emission: wgpu::Buffer,
     vectors: wgpu::BindGroup,
     arrive: wgpu::BindGroup,
     links: wgpu::BindGroup,

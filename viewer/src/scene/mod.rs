@@ -14,6 +14,8 @@
 //! * `view` – the camera that looks at it.
 
 pub mod blended_fit;
+#[cfg(feature = "radiosity")]
+pub mod cube_maps;
 pub mod draw_batch;
 pub mod extent;
 mod fronts;
@@ -40,6 +42,8 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 #[cfg(feature = "radiosity")]
 use crate::gpu::scope::Scope;
+#[cfg(feature = "radiosity")]
+use cube_maps::{CubeMapKernels, GpuCubeMaps};
 use extent::Extent;
 use glam::Vec3;
 #[cfg(feature = "radiosity")]
@@ -103,6 +107,9 @@ pub struct GpuScene {
     /// Glossy transfer, if there is any.
     #[cfg(feature = "radiosity")]
     pub gloss: Option<GpuGloss>,
+    /// Cube maps that metals reflect, if there are any.
+    #[cfg(feature = "radiosity")]
+    pub cube_maps: Option<GpuCubeMaps>,
     /// Points of each level.
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
@@ -144,7 +151,8 @@ impl GpuScene {
         #[cfg(feature = "radiosity")]
         let more = self.moving.as_ref().map_or(0, Moving::bytes)
             + self.lightmap.as_ref().map_or(0, GpuLightmap::bytes)
-            + self.gloss.as_ref().map_or(0, GpuGloss::bytes);
+            + self.gloss.as_ref().map_or(0, GpuGloss::bytes)
+            + self.cube_maps.as_ref().map_or(0, GpuCubeMaps::bytes);
         #[cfg(not(feature = "radiosity"))]
         let more = 0;
         self.relight.bytes() + more
@@ -184,6 +192,13 @@ impl GpuScene {
                 GpuGloss::new(gpu, kernels, (&upload, &relight.sent), &scene)
             }
         })?;
+        // Maps show where things stand.
+        #[cfg(feature = "radiosity")]
+        let cube_maps =
+            loaders.gloss.get().filter(|_| gloss.is_some() && moving.is_none()).and_then(|kernels| {
+                let made = kernels.cube_maps.get_or_init(|| CubeMapKernels::new(gpu));
+                gpu.watch(|| GpuCubeMaps::new(gpu, made, (loaders.relight, &relight), &scene))
+            });
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
@@ -219,6 +234,8 @@ impl GpuScene {
             needs_lookup: !scene.groups.is_empty() || gloss.is_some(),
             #[cfg(feature = "radiosity")]
             gloss,
+            #[cfg(feature = "radiosity")]
+            cube_maps,
         })
     }
 }

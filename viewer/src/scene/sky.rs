@@ -18,6 +18,9 @@ const LIGHTING_WIDTH: u32 = 1024;
 /// The most blurred background has the mip level of about this width, texels.
 const BLURRED_WIDTH: u32 = 8;
 
+/// Maximum number of environment lights seen behind a scene, and reflected.
+pub const MOST_SKIES: usize = 4;
+
 /// An environment.
 pub struct Sky {
     /// Equirectangular radiance divided by [`Sky::scale`], all mip levels.

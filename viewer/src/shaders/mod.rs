@@ -108,7 +108,13 @@ modules! {
     GLOSS_LINKS: "octahedral" "point" "harmonics" "gloss_pass" "gloss_links";
     /// Glossy transfer: reflections of the visible surfaces.
     #[cfg(feature = "radiosity")]
-    REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "ggx" "fullscreen" "reflections";
+    REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "ggx" "fullscreen" "reflected_sky" "cube_march" "reflections";
+    /// Cube maps: light of the texels.
+    #[cfg(feature = "radiosity")]
+    CUBE_LIGHT: "octahedral" "point" "frame" "slots" "harmonics" "ggx" "reflected_sky" "cube" "cube_light";
+    /// Cube maps: coarser levels.
+    #[cfg(feature = "radiosity")]
+    CUBE_MIPS: "cube" "cube_mips";
     /// Radiosity: irradiance of receivers by rays.
     #[cfg(feature = "radiosity")]
     GATHER_LIGHT: "octahedral" "point" "kernel" "cuts" "lookup" "groups" "radiosity_pass" "bvh" "hemisphere" "reconstruct" "gather_light";

@@ -37,6 +37,12 @@ impl Transform {
         }
     }
 
+    /// Replaces the transform.
+    pub fn set_pose(&mut self, Pose { translation, rotation, scale }: Pose) {
+        self.matrix = None;
+        (self.translation, self.rotation, self.scale) = (Some(translation), Some(rotation), Some(scale));
+    }
+
     /// Matrix from node space to parent space.
     pub fn local(&self) -> DMat4 {
         self.matrix.map_or_else(|| self.pose().matrix(), |m| DMat4::from_cols_array(&m))

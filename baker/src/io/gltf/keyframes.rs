@@ -27,27 +27,47 @@ pub(super) struct Curve<const W: usize> {
 
 impl<const W: usize> Curve<W> {
     pub(super) fn read(source: &Source, sampler: &Sampler, what: &str) -> Result<Self, SceneError> {
-        let kind = match sampler.interpolation {
-            Checked::Valid(kind) => kind,
-            Checked::Invalid => {
-                let known = "glTF has STEP, LINEAR and CUBICSPLINE";
-                return Err(source.malformed(format!("{what} has an unknown interpolation: {known}")));
-            }
-        };
+        let kind = kind(source, sampler, what)?;
         let times = source.read::<1>(sampler.input.value(), Type::Scalar, &format!("input of {what}"))?;
         let shape = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][W - 1];
         let values = source.read::<W>(sampler.output.value(), shape, &format!("output of {what}"))?;
         let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
+        Self { kind, times, values }.checked(source, what)
+    }
+
+    fn checked(self, source: &Source, what: &str) -> Result<Self, SceneError> {
+        let Self { kind, times, values } = &self;
         let largest = f64::from(LARGEST);
         let finite = times.iter().chain(values.iter().flatten()).all(|x| x.abs() < largest);
         let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
-        let each = if kind == Kind::CubicSpline { 3 } else { 1 };
+        let each = if *kind == Kind::CubicSpline { 3 } else { 1 };
         if !finite || !ordered || values.len() != each * times.len() {
             return Err(source.malformed(format!(
                 "{what} has keys that are out of order, missing, not finite or far too large"
             )));
         }
-        Ok(Self { kind, times, values })
+        Ok(self)
+    }
+
+    /// As [`Self::read`], of a sampler with several values of `W` numbers a key, one after the other: a curve of each. Those of
+    /// splines are all in-tangents of a key, then all values, then all out-tangents (glTF 2.0, 3.11).
+    pub(super) fn read_each(source: &Source, sampler: &Sampler, what: &str) -> Result<Vec<Self>, SceneError> {
+        let times = source.read::<1>(sampler.input.value(), Type::Scalar, &format!("input of {what}"))?;
+        let shape = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][W - 1];
+        let values = source.read::<W>(sampler.output.value(), shape, &format!("output of {what}"))?;
+        let kind = kind(source, sampler, what)?;
+        let each = if kind == Kind::CubicSpline { 3 } else { 1 };
+        let rows = each * times.len();
+        let count = values.len() / rows.max(1);
+        let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
+        if values.len() != count * rows {
+            return Err(source.malformed(format!("{what} has not as many values for each key")));
+        }
+        let of = |i: usize| {
+            let values = values.iter().skip(i).step_by(count).copied().collect();
+            Self { kind, times: times.clone(), values }.checked(source, what)
+        };
+        (0..count).map(of).collect()
     }
 
     /// Returns the value at `time`, clamped to the first and last key (glTF 2.0, 3.11).
@@ -74,6 +94,16 @@ impl<const W: usize> Curve<W> {
                         + step * (s3 - s2) * arriving[c]
                 })
             }
+        }
+    }
+}
+
+fn kind(source: &Source, sampler: &Sampler, what: &str) -> Result<Kind, SceneError> {
+    match sampler.interpolation {
+        Checked::Valid(kind) => Ok(kind),
+        Checked::Invalid => {
+            let known = "glTF has STEP, LINEAR and CUBICSPLINE";
+            Err(source.malformed(format!("{what} has an unknown interpolation: {known}")))
         }
     }
 }
@@ -118,7 +148,8 @@ impl Motion {
         self.scale.is_some()
     }
 
-    fn pose(&self, rest: Pose, time: f64) -> Pose {
+    /// The transform at a time; `rest` where nothing moves.
+    pub(super) fn pose(&self, rest: Pose, time: f64) -> Pose {
         Pose {
             translation: self.translation.as_ref().map_or(rest.translation, |c| c.at(time, straight)),
             rotation: self.rotation.as_ref().map_or(rest.rotation, |c| c.at(time, around)),

@@ -7,6 +7,7 @@
 //!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
+//! * `posed` – the file as an animation has it at a time;
 //! * `groups` – reconstruction groups;
 //! * `light`, `light_group`, `punctual`, `area_light`, `image_based`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
 
@@ -37,6 +38,7 @@ mod notes;
 mod picture;
 mod place;
 mod pose;
+mod posed;
 mod primitive;
 mod punctual;
 mod repair;
@@ -77,7 +79,10 @@ const MOST_PLACES: usize = MAX_COPIES as usize;
 
 /// Loads a .gltf or .glb file.
 pub(super) fn load(files: &dyn Files, path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let source = Source::open(files, path)?;
+    let mut source = Source::open(files, path)?;
+    if let Some(pose) = &options.pose {
+        posed::apply(&mut source, pose)?;
+    }
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     convert_with(&source, name, options)
 }

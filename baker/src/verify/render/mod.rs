@@ -164,9 +164,9 @@ impl Relit {
         }
     }
 
-    /// With metals as GGX conductors in pictures of all light, where the file has glossy transfer. What is lit by
-    /// radiosity reflects nothing. `scene` is that of [`Self::new`].
-    pub fn with_gloss(self, scene: &BakedScene) -> Self {
+    /// With metals as GGX conductors in pictures of all light, by the file's glossy transfer. What is lit by radiosity
+    /// reflects nothing.
+    fn with_transfer(self, scene: &BakedScene) -> Self {
         let reflections = match self.by_radiosity {
             true => None,
             false => Reflections::new(scene, &self.lighting, &self.sent),
@@ -201,11 +201,22 @@ impl Relit {
             let [bounced, from_sources] = self.lightmap.at(texels);
             return PointLight { bounced, from_sources };
         }
-        let open = |reach| {
-            let normals = [hit.normal, hit.geometric_normal];
-            received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))
-        };
-        self.light_at(hit.position, hit.normal, hit.group).scaled(self.reach.map_or(1.0, open))
+        let normals = [hit.normal, hit.geometric_normal];
+        self.light_with_detail(surfaces, hit.position, normals, hit.group, stream)
+    }
+
+    /// As [`Self::light_at`], by the openness of the place where the picture has detail. `normals` are the shading normal and
+    /// the true surface's.
+    fn light_with_detail(
+        &self,
+        surfaces: &impl Surfaces,
+        position: Vec3,
+        normals: [Vec3; 2],
+        group: u32,
+        stream: &mut Stream,
+    ) -> PointLight {
+        let open = |reach| received(open_share(surfaces, position, normals, reach, OPENNESS_SIDE, stream));
+        self.light_at(position, normals[0], group).scaled(self.reach.map_or(1.0, open))
     }
 
     /// The lamps of the picture, local space, suns of environments included.

@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{diffuse_transfer, gloss, groups, light_groups, lightmap, specular};
+use crate::rbn::{cube_maps, diffuse_transfer, gloss, groups, light_groups, lightmap, specular};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -99,6 +99,11 @@ impl BakedScene {
         self.check_light_groups()?;
         #[cfg(feature = "radiosity")]
         gloss::check(&self.gloss, [self.points.len(), senders, self.sources.groups.len()])?;
+        #[cfg(feature = "radiosity")]
+        cube_maps::check(
+            &self.cube_maps,
+            [self.gloss.links.links.len(), self.gloss.layout.emission.len(), 1 + self.groups.groups.len()],
+        )?;
         #[cfg(feature = "radiosity")]
         self.check_transfer()?;
         Ok(())

@@ -2,10 +2,13 @@
 //!
 //! * here: pipelines, buffers, and the passes;
 //! * `plan` – the dispatches in order;
+//! * `elsewhere` – direct light at other places than the points;
 //! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points;
 //! * `from_groups` – all light of a fixed solution, in place of links;
 //! * `from_transfer` – all light of a file for an environment, likewise.
 
+#[cfg(feature = "radiosity")]
+pub mod elsewhere;
 mod from_groups;
 mod from_sources;
 #[cfg(feature = "radiosity")]

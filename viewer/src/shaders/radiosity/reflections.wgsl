@@ -17,6 +17,10 @@ struct Reflecting {
     // Roughness from which metals, and what is not metal, reflect nothing.
     metals: f32,
     others: f32,
+    // Cube maps, which metals reflect; texels along an edge, and factor of radiance in them.
+    maps: u32,
+    map_side: f32,
+    map_unit: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -35,32 +39,58 @@ struct Reflecting {
 @group(0) @binding(12) var sky_sampler: sampler;
 
 const NOWHERE = 0xffffffffu;
-const TAU = 6.28318530717959;
 const PI = 3.14159265;
-// Pixels that the blur of a level spreads over.
-const PIXELS = 8.0;
-
-// Radiance of the skies from a direction, over about this solid angle.
-fn reflected_sky(way: vec3f, solid_angle: f32) -> vec3f {
-    let wide = TAU / f32(textureDimensions(sky_texture).x);
-    let level = 0.5 * log2(solid_angle / (PIXELS * wide * wide));
-    var sum = vec3f(0.0);
-    for (var k = 0u; k < reflecting.skies; k++) {
-        let one = reflecting.sky[k];
-        let x = cos(one.w) * way.x - sin(one.w) * way.z;
-        let z = sin(one.w) * way.x + cos(one.w) * way.z;
-        let azimuth = atan2(z, select(x, 1e-20, x == 0.0));
-        let at = vec2f(azimuth / TAU + 0.5, 2.0 / TAU * atan2(length(way.xz), way.y));
-        sum += one.rgb * textureSampleLevel(sky_texture, sky_sampler, at, level).rgb;
-    }
-    return sum;
-}
 
 // A unit tangent (Duff et al. 2017).
 fn tangent(normal: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (sign + normal.z);
     return vec3f(1.0 + sign * normal.x * normal.x * a, sign * normal.x * normal.y * a, -sign * normal.x);
+}
+
+// What arrives at a pixel by the transfer: coefficients, and the sum of the weights.
+struct Arrives {
+    sums: array<vec4f, HARMONICS>,
+    total: f32,
+}
+
+fn arrives_at(pixel: vec2u) -> Arrives {
+    // The row of the pixel, or of one beside it.
+    var slot = slots[pixel.y * u32(frame.width) + pixel.x];
+    if slot == 0u {
+        let blocks = slots_blocks(frame);
+        slot = (pixel.y / 2u) * blocks.x + pixel.x / 2u;
+    }
+    var out: Arrives;
+    for (var k = 0u; k < slot_layout.row_length; k++) {
+        let entry = rows[k * slot_layout.capacity + slot];
+        if entry == 0u {
+            break;
+        }
+        let place = places[entry & POINT_MASK];
+        if place != NOWHERE {
+            let weight = slots_weight(entry);
+            out.total += weight;
+            for (var i = 0u; i < HARMONICS; i++) {
+                out.sums[i] += weight * arriving[place * HARMONICS + i];
+            }
+        }
+    }
+    return out;
+}
+
+// Radiance from a direction by the transfer; `sky` is that of the environment.
+fn arriving_light(arrives: ptr<function, Arrives>, way: vec3f, sky: vec3f) -> vec3f {
+    let y = harmonics(way);
+    var low = vec4f(0.0);
+    var smooth_sky = vec3f(0.0);
+    for (var j = 0u; j < HARMONICS; j++) {
+        low += y[j] * (*arrives).sums[j];
+        smooth_sky += y[j] * reflecting.smooth_sky[j].rgb;
+    }
+    low /= (*arrives).total;
+    let detail = sky - select(vec3f(0.0), smooth_sky, (reflecting.flags & HAS_DIRECT) != 0u);
+    return max(low.rgb + saturate(low.w) * detail, vec3f(0.0));
 }
 
 @fragment
@@ -80,32 +110,20 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if material.unlit > 0.0 || !shines || surface.look.roughness >= limit {
         return vec4f(0.0);
     }
-    // The row of the pixel, or of one beside it.
-    var slot = slots[pixel.y * u32(frame.width) + pixel.x];
-    if slot == 0u {
-        let blocks = slots_blocks(frame);
-        slot = (pixel.y / 2u) * blocks.x + pixel.x / 2u;
-    }
-    var sums: array<vec4f, HARMONICS>;
-    var total = 0.0;
-    for (var k = 0u; k < slot_layout.row_length; k++) {
-        let entry = rows[k * slot_layout.capacity + slot];
-        if entry == 0u {
-            break;
-        }
-        let place = places[entry & POINT_MASK];
-        if place != NOWHERE {
-            let weight = slots_weight(entry);
-            total += weight;
-            for (var i = 0u; i < HARMONICS; i++) {
-                sums[i] += weight * arriving[place * HARMONICS + i];
-            }
+    let by_maps = is_metal && reflecting.maps > 0u;
+    var arrives: Arrives;
+    if !by_maps {
+        arrives = arrives_at(pixel);
+        if arrives.total <= 0.0 {
+            return vec4f(0.0);
         }
     }
-    if total <= 0.0 {
-        return vec4f(0.0);
+    let position_seen = position_at(frame, vec2f(pixel) + 0.5, depth);
+    let to_eye = normalize(frame.eye - position_seen);
+    var lobe_map: MapLobe;
+    if by_maps {
+        lobe_map = map_lobe(position_seen, surface.facet, reflect(-to_eye, surface.bent));
     }
-    let to_eye = normalize(frame.eye - position_at(frame, vec2f(pixel) + 0.5, depth));
     // A frame that the eye lies in: samples turn evenly over a round surface, without a seam.
     let upright = dot(to_eye, surface.bent);
     let across = to_eye - upright * surface.bent;
@@ -124,17 +142,15 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             continue;
         }
         let way = world_from_surface * sample.to_light;
-        let y = harmonics(way);
-        var low = vec4f(0.0);
-        var smooth_sky = vec3f(0.0);
-        for (var j = 0u; j < HARMONICS; j++) {
-            low += y[j] * sums[j];
-            smooth_sky += y[j] * reflecting.smooth_sky[j].rgb;
+        let solid_angle = 1.0 / (f32(LOBE_SAMPLES) * sample.density);
+        let sky = reflected_sky(way, solid_angle);
+        var light = vec3f(0.0);
+        if by_maps {
+            // As path tracers have it: nothing arrives from within.
+            light = select(map_light(lobe_map, way, solid_angle, sky), vec3f(0.0), dot(surface.facet, way) <= 0.0);
+        } else {
+            light = arriving_light(&arrives, way, sky);
         }
-        low /= total;
-        let sky = reflected_sky(way, 1.0 / (f32(LOBE_SAMPLES) * sample.density));
-        let detail = sky - select(vec3f(0.0), smooth_sky, (reflecting.flags & HAS_DIRECT) != 0u);
-        let light = max(low.rgb + saturate(low.w) * detail, vec3f(0.0));
         let glancing = pow(max(1.0 - sample.cosine, 0.0), 5.0);
         radiance += sample.weight * light;
         grazing += sample.weight * glancing * light;

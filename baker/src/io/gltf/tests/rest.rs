@@ -1,6 +1,8 @@
 //! Morph targets and skins.
 
 use super::*;
+use crate::io::files::Memory;
+use crate::io::options::{LoadOptions, PoseOption};
 use glam::DVec3;
 use std::fmt::Write;
 
@@ -112,6 +114,45 @@ fn a_mirrored_skin_keeps_its_front_and_joints_that_are_not_there_are_named() {
         "nodes":[{"mesh":0,"skin":0},{"children":[2]},{"children":[1]}]"#;
     let circle = parse(&file(circle, 0)).unwrap_err().to_string();
     assert!(circle.contains("joint node 1 is its own ancestor"), "{circle}");
+}
+
+/// The triangle as an animation has it.
+fn posed(json: &str, animation: Option<&str>, time: f64) -> Result<Scene, SceneError> {
+    let files = Memory::from_iter([("test.gltf", json.as_bytes().to_vec())]);
+    let pose = Some(PoseOption { animation: animation.map(str::to_owned), time });
+    let options = LoadOptions { pose, ..LoadOptions::default() };
+    crate::io::load_from(&files, "test.gltf".as_ref(), &options)
+}
+
+#[test]
+fn a_pose_moves_joints_and_morph_targets_to_the_moment() {
+    let joints = (5121, "VEC4", 3, vec![0; 12]);
+    let weights = (5126, "VEC4", 3, floats(&[1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.]));
+    let up = (5126, "VEC3", 3, floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.]));
+    let along = (5126, "VEC3", 3, floats(&[1., 0., 0., 1., 0., 0., 1., 0., 0.]));
+    let times = (5126, "SCALAR", 2, floats(&[0., 2.]));
+    let places = (5126, "VEC3", 2, floats(&[0., 0., 0., 0., 8., 0.]));
+    // Two targets a key.
+    let shares = (5126, "SCALAR", 4, floats(&[0., 0., 1., 4.]));
+    let primitive = r#","JOINTS_0":1,"WEIGHTS_0":2},"targets":[{"POSITION":3},{"POSITION":4}]"#;
+    let root = r#""scenes":[{"nodes":[0,1]}],"skins":[{"joints":[1]}],"nodes":[{"mesh":0,"skin":0},{}],
+        "animations":[{"name":"still","channels":[],"samplers":[]},{"name":"walk",
+        "samplers":[{"input":5,"output":6},{"input":5,"output":7}],
+        "channels":[{"sampler":0,"target":{"node":1,"path":"translation"}},
+                    {"sampler":1,"target":{"node":0,"path":"weights"}}]}]"#;
+    let json = triangle(FLAT, [primitive, "", root], &[joints, weights, up, along, times, places, shares]);
+    let rest = [0, 1, 2].map(|i| Vec3::from(FLAT[i]).as_dvec3());
+    for (time, share) in [(0.0, 0.0), (0.5, 0.25), (2.0, 1.0), (9.0, 1.0)] {
+        let moved = share * DVec3::new(4., 8., 1.);
+        assert_near(&corners(&posed(&json, Some("walk"), time).unwrap()), &[rest.map(|at| at + moved)]);
+        assert_near(&corners(&posed(&json, Some("1"), time).unwrap()), &[rest.map(|at| at + moved)]);
+        assert_near(&corners(&posed(&json, None, time).unwrap()), &[rest]);
+    }
+    let unknown = posed(&json, Some("run"), 0.0).unwrap_err().to_string();
+    assert!(unknown.contains("`run`") && unknown.contains("still, walk"), "{unknown}");
+    let short = json.replace(r#""count":4,"type":"SCALAR""#, r#""count":3,"type":"SCALAR""#);
+    let short = posed(&short, Some("walk"), 0.0).unwrap_err().to_string();
+    assert!(short.contains("channel 1 of \"walk\""), "{short}");
 }
 
 /// Exported files, if present: a deformed file and an applied file are equal scenes.

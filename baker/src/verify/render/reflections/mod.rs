@@ -16,8 +16,9 @@ use super::Relit;
 use crate::basis::Leveled;
 use crate::geometry::{Hit, Surfaces};
 use crate::random::Stream;
+use crate::sampling::cube_maps::{CubeMapSettings, cube_maps};
 use cost::{Cost, CostSums};
-use cube_maps::{CubeMapSettings, CubeMaps};
+use cube_maps::{CubeMapLookup, CubeMaps};
 use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::CameraFrame;
@@ -27,18 +28,20 @@ use rebounce_shared::lighting::Lighting;
 use screen::Screen;
 
 /// Where the light of a lobe's directions comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub enum Way {
+    /// As pages do: the [cube maps](cube_maps) of the file, or the transfer in files without.
+    #[default]
+    Baked,
     /// What arrives at the points by [glossy transfer](rebounce_shared::gloss): harmonics, and the environment through its
     /// visibility.
-    #[default]
     Transfer,
     /// A ray cast for each sample of the lobe: the least error that other ways can have.
     Rays,
-    /// [Cube maps](cube_maps), lit anew for each picture.
-    CubeMaps(CubeMapSettings),
+    /// [Cube maps](cube_maps) made for the picture.
+    CubeMaps(CubeMapSettings, CubeMapLookup),
     /// Rays in the picture. What they do not find comes from cube maps, or from the transfer.
-    Screen(Option<CubeMapSettings>),
+    Screen(ReflectionView, Option<CubeMapSettings>),
 }
 
 /// The picture that rays in the picture look at.
@@ -96,27 +99,21 @@ impl Reflections {
     }
 
     /// With the light of lobes from elsewhere. `relit` is the scene under the same lighting, without reflections.
-    pub fn by(
-        self,
-        way: &Way,
-        relit: &Relit,
-        scene: &BakedScene,
-        surfaces: &impl Surfaces,
-        view: &ReflectionView,
-    ) -> Self {
-        let cube_maps = |settings: &CubeMapSettings| {
-            CubeMaps::new(settings, scene, surfaces, &|hit, direction, stream| {
-                self.seen(relit, surfaces, hit, direction, stream)
-            })
-        };
+    pub fn by(self, way: &Way, relit: &Relit, scene: &BakedScene, surfaces: &impl Surfaces) -> Self {
+        let lit = |maps: &_, lookup| CubeMaps::new(maps, lookup, &self, relit, scene, surfaces);
+        let made = |settings, lookup| lit(&cube_maps(surfaces, scene, settings), lookup);
         let source = match way {
-            Way::Transfer => ReflectionSource::Transfer,
+            Way::Baked if !scene.cube_maps.is_empty() => {
+                ReflectionSource::CubeMaps(lit(&scene.cube_maps, CubeMapLookup::PAGE))
+            }
+            Way::Baked | Way::Transfer => ReflectionSource::Transfer,
             Way::Rays => ReflectionSource::Rays,
-            Way::CubeMaps(settings) => ReflectionSource::CubeMaps(cube_maps(settings)),
-            Way::Screen(behind) => {
+            Way::CubeMaps(settings, lookup) => ReflectionSource::CubeMaps(made(settings, *lookup)),
+            Way::Screen(view, behind) => {
                 let seen =
                     |hit: &Hit, direction, stream: &mut _| self.seen(relit, surfaces, hit, direction, stream);
-                ReflectionSource::Screen(Screen::new(view, surfaces, &seen), behind.as_ref().map(cube_maps))
+                let maps = behind.as_ref().map(|settings| made(settings, CubeMapLookup::default()));
+                ReflectionSource::Screen(Screen::new(view, surfaces, &seen), maps)
             }
         };
         Self { source, ..self }
@@ -137,8 +134,20 @@ impl Reflections {
 
     /// What arrives at a hit; `None` where the transfer does not reach.
     fn at<'a>(&'a self, lighting: &'a Lighting, basis: &Leveled, hit: &Hit) -> Option<AtHit<'a>> {
+        self.at_place(lighting, basis, hit.position, hit.normal, hit.group)
+    }
+
+    /// As [`Self::at`], at a place of a reconstruction group.
+    fn at_place<'a>(
+        &'a self,
+        lighting: &'a Lighting,
+        basis: &Leveled,
+        position: Vec3,
+        normal: Vec3,
+        group: u32,
+    ) -> Option<AtHit<'a>> {
         let mut weights = Vec::with_capacity(64);
-        basis.interpolate(hit.position, hit.normal, hit.group, &mut weights);
+        basis.interpolate(position, normal, group, &mut weights);
         let arriving = self.field.mean(&weights)?;
         let skies = lighting.background.iter().map(|background| background.reflected()).collect();
         Some(AtHit { field: &self.field, arriving, skies })
@@ -166,14 +175,27 @@ impl Reflections {
         if matches!(self.source, ReflectionSource::Transfer) {
             return self.by_transfer(lighting, basis, hit, direction);
         }
-        let at = &self.at(lighting, basis, hit)?;
+        let maps = self.cube_maps();
+        let at = self.at(lighting, basis, hit);
+        if at.is_none() && maps.is_none_or(CubeMaps::needs_transfer) {
+            return None;
+        }
+        let by_transfer = |to_light, solid_angle| match &at {
+            Some(at) => at.radiance(to_light, solid_angle),
+            None => Vec3::ZERO,
+        };
+        let skies: Vec<ReflectedSky<'_>> =
+            lighting.background.iter().map(|background| background.reflected()).collect();
+        let sky = |to_light, solid_angle| -> Vec3 {
+            skies.iter().map(|sky| sky.radiance(to_light, solid_angle)).sum()
+        };
         let mut cost = Cost { lobes: 1, ..Cost::default() };
         // What is not blurred as wide as a sample is averaged over the samples of a pixel.
         let shift = match self.source {
             ReflectionSource::Rays | ReflectionSource::Screen(..) => stream.square(),
             ReflectionSource::Transfer | ReflectionSource::CubeMaps(_) => Vec2::ZERO,
         };
-        let maps = self.cube_maps().map(|maps| maps.around(hit, direction, &mut cost));
+        let maps = maps.map(|maps| maps.around(hit, direction, &mut cost));
         let radiance = conducted(hit, direction, shift, |to_light, solid_angle| {
             cost.samples += 1;
             // As path tracers have it: nothing arrives from within.
@@ -181,16 +203,15 @@ impl Reflections {
                 return Vec3::ZERO;
             }
             let far = |cost: &mut Cost| match &maps {
-                None => at.radiance(to_light, solid_angle),
+                None => by_transfer(to_light, solid_angle),
                 Some(maps) => {
-                    let sky = || at.sky(to_light, solid_angle);
-                    let found = maps.radiance(to_light, solid_angle, sky, cost);
-                    found.unwrap_or_else(|| at.radiance(to_light, solid_angle))
+                    let found = maps.radiance(to_light, solid_angle, || sky(to_light, solid_angle), cost);
+                    found.unwrap_or_else(|| by_transfer(to_light, solid_angle))
                 }
             };
             match &self.source {
                 ReflectionSource::Rays => {
-                    let sky = || at.sky(to_light, solid_angle);
+                    let sky = || sky(to_light, solid_angle);
                     self.along_ray(relit, surfaces, hit, to_light, sky, stream)
                 }
                 ReflectionSource::Screen(screen, _) => {
@@ -209,17 +230,17 @@ impl Reflections {
 }
 
 impl Relit {
-    /// As [`Self::with_gloss`], with the light of lobes from elsewhere. `scene` and `surfaces` are those of [`Self::new`].
-    pub fn with_reflections(
-        mut self,
-        scene: &BakedScene,
-        surfaces: &impl Surfaces,
-        way: &Way,
-        view: &ReflectionView,
-    ) -> Self {
-        self = self.with_gloss(scene);
+    /// With metals as GGX conductors in pictures of all light, as pages have them. `scene` and `surfaces` are those of
+    /// [`Self::new`].
+    pub fn with_gloss(self, scene: &BakedScene, surfaces: &impl Surfaces) -> Self {
+        self.with_reflections(scene, surfaces, &Way::Baked)
+    }
+
+    /// As [`Self::with_gloss`], with the light of lobes from elsewhere.
+    pub fn with_reflections(mut self, scene: &BakedScene, surfaces: &impl Surfaces, way: &Way) -> Self {
+        self = self.with_transfer(scene);
         let reflections = self.reflections.take();
-        self.reflections = reflections.map(|of| of.by(way, &self, scene, surfaces, view));
+        self.reflections = reflections.map(|of| of.by(way, &self, scene, surfaces));
         self
     }
 

@@ -1,9 +1,9 @@
 //! A box around a cube map: the cheap correction of parallax. What the map sees is taken to be on the sides of the box
 //! (Lagarde and Zanuttini, *Local Image-based Lighting with Parallax-corrected Cubemaps*, 2012).
 
-use super::cube::Cube;
-use super::march::{Distances, RayEnd};
 use glam::Vec3;
+use rebounce_shared::cube_map::cube::Cube;
+use rebounce_shared::cube_map::march::{Distances, RayEnd};
 
 /// Sides of a box along the axes, from the place of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]

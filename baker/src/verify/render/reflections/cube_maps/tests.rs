@@ -1,13 +1,31 @@
 use super::*;
 use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
+use crate::random::Stream;
+use rebounce_shared::cube_map::cube::Cube;
+use rebounce_shared::rbn::cube_maps::{CubeMapLayout, CubeTexel, SeenSurface};
 
 /// A map in the middle of a cube of edge 2 whose walls have a colour that is linear in the place.
 fn map(side: usize) -> LitCubeMap {
     let scene = crate::io::load("builtin:furnace").unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
+    let layout = CubeMapLayout { side: side as u32, range: [1.0, 3f32.sqrt()], places: vec![[0.0; 3]] };
     let cube = Cube { side };
-    CubeMapGeometry::new(cube, Vec3::ZERO, &surfaces)
-        .lit(cube, &|hit: &Hit, _, _: &mut Stream| colour(hit.position))
+    let seen = |texel: usize| {
+        let ray = Ray::visibility(Vec3::ZERO, cube.direction(texel));
+        let hit = surfaces.cast(&ray, 0).unwrap();
+        let surface = SeenSurface {
+            distance: hit.distance,
+            normal: hit.normal,
+            reflectance: hit.albedo,
+            metal: None,
+            emitter: None,
+            group: 0,
+        };
+        (CubeTexel::pack(&layout, &surface), colour(hit.position).extend(1.0))
+    };
+    let (texels, light): (Vec<_>, Vec<_>) = (0..cube.len()).map(seen).unzip();
+    LitCubeMap::new(&rebounce_shared::rbn::cube_maps::CubeMaps { layout, texels }, 0, light)
 }
 
 fn colour(place: Vec3) -> Vec3 {
@@ -17,7 +35,7 @@ fn colour(place: Vec3) -> Vec3 {
 /// Greatest difference of what is found from the colour where rays end, of rays from everywhere that end `within` of the middle
 /// of a wall.
 fn worst(map: &LitCubeMap, correction: Correction, within: f32) -> f32 {
-    let settings = CubeMapSettings { correction, ..CubeMapSettings::default() };
+    let lookup = CubeMapLookup { correction, ..CubeMapLookup::default() };
     let walls = ParallaxBox { low: Vec3::NEG_ONE, high: Vec3::ONE };
     let mut stream = Stream::new(11, 0);
     let mut worst = 0.0f32;
@@ -28,7 +46,7 @@ fn worst(map: &LitCubeMap, correction: Correction, within: f32) -> f32 {
         if end.to_array().iter().filter(|x| x.abs() > within).count() > 1 {
             continue;
         }
-        let around = NearMaps { settings: &settings, maps: vec![map], position, middle: None };
+        let around = NearMaps { lookup, maps: vec![map], position, middle: None };
         let mut cost = Cost::default();
         let found = around.radiance(direction, 0.0, || Vec3::ONE, &mut cost).unwrap();
         worst = worst.max(found.distance(colour(end)));

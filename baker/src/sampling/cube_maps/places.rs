@@ -9,7 +9,12 @@ const BETWEEN: f32 = 0.5;
 
 /// Returns `count` places over metals, or fewer where there are fewer points: each is the farthest from those before it
 /// (González 1985), moved along the normal by `lift` of the metals' size.
-pub(super) fn places(scene: &BakedScene, surfaces: &impl Surfaces, count: usize, lift: f32) -> Vec<Vec3> {
+pub(super) fn places<S: Surfaces + ?Sized>(
+    scene: &BakedScene,
+    surfaces: &S,
+    count: usize,
+    lift: f32,
+) -> Vec<Vec3> {
     let metals: Vec<(Vec3, Vec3)> = scene
         .gloss
         .points
@@ -27,14 +32,14 @@ pub(super) fn places(scene: &BakedScene, surfaces: &impl Surfaces, count: usize,
 }
 
 /// Whether the surface at a point is a metal.
-fn is_metal(surfaces: &impl Surfaces, position: Vec3, normal: Vec3) -> bool {
+fn is_metal(surfaces: &(impl Surfaces + ?Sized), position: Vec3, normal: Vec3) -> bool {
     let near = 8.0 * surfaces.epsilon_at(position);
     let ray = Ray { max_distance: 2.0 * near, ..Ray::visibility(position + near * normal, -normal) };
     surfaces.cast(&ray, 0).is_some_and(|hit| hit.gloss.is_metal())
 }
 
 /// A place over a point, not beyond what is over it.
-fn lifted(surfaces: &impl Surfaces, position: Vec3, normal: Vec3, lift: f32) -> Vec3 {
+fn lifted(surfaces: &(impl Surfaces + ?Sized), position: Vec3, normal: Vec3, lift: f32) -> Vec3 {
     let ray = Ray::visibility(position + 2.0 * surfaces.epsilon_at(position) * normal, normal);
     let free = surfaces.cast(&ray, 0).map_or(f32::INFINITY, |hit| hit.distance);
     position + normal * lift.min(BETWEEN * free)

@@ -10,8 +10,8 @@
 //! ```
 
 use super::cube::Cube;
+use crate::elementary::Elementary;
 use glam::Vec3;
-use rebounce_shared::elementary::Elementary;
 
 /// Most steps of a ray.
 const MOST_STEPS: u32 = 64;

@@ -1,4 +1,5 @@
-//! A cube of texels: six faces of `side` x `side`, in the order +x, −x, +y, −y, +z, −z.
+//! A cube of texels: six faces of `side` x `side`, in the order +x, −x, +y, −y, +z, −z, oriented as WebGPU's cube textures are.
+//! The viewer's cube.wgsl has the same directions.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
@@ -12,24 +13,35 @@ pub struct Cube {
 
 /// Returns the direction, not of unit length, of a place on a face; coordinates from −1 to 1 on it.
 fn toward(face: usize, at: Vec2) -> Vec3 {
-    let axis = face / 2;
-    let mut direction = Vec3::ZERO;
-    direction[axis] = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
-    direction[(axis + 1) % 3] = at.x;
-    direction[(axis + 2) % 3] = at.y;
-    direction
+    match face {
+        0 => Vec3::new(1.0, -at.y, -at.x),
+        1 => Vec3::new(-1.0, -at.y, at.x),
+        2 => Vec3::new(at.x, 1.0, at.y),
+        3 => Vec3::new(at.x, -1.0, -at.y),
+        4 => Vec3::new(at.x, -at.y, 1.0),
+        _ => Vec3::new(-at.x, -at.y, -1.0),
+    }
 }
 
 /// Returns the face of a direction, and the place on it.
 fn place(direction: Vec3) -> (usize, Vec2) {
     let size = direction.abs();
-    let axis = match () {
-        () if size.x >= size.y && size.x >= size.z => 0,
-        () if size.y >= size.z => 1,
-        () => 2,
+    let Vec3 { x, y, z } = direction;
+    let (face, at, major) = match () {
+        () if size.x >= size.y && size.x >= size.z => match x >= 0.0 {
+            true => (0, Vec2::new(-z, -y), size.x),
+            false => (1, Vec2::new(z, -y), size.x),
+        },
+        () if size.y >= size.z => match y >= 0.0 {
+            true => (2, Vec2::new(x, z), size.y),
+            false => (3, Vec2::new(x, -z), size.y),
+        },
+        () => match z >= 0.0 {
+            true => (4, Vec2::new(x, -y), size.z),
+            false => (5, Vec2::new(-x, -y), size.z),
+        },
     };
-    let at = Vec2::new(direction[(axis + 1) % 3], direction[(axis + 2) % 3]) / size[axis];
-    (2 * axis + usize::from(direction[axis] < 0.0), at)
+    (face, at / major)
 }
 
 impl Cube {
