@@ -105,8 +105,9 @@ fn reflections_in_a_room_are_those_of_the_cpu() {
     let own = scene.meta.lights[0].clone();
     let lamp =
         Light::Point { position: [-1.5, 3.5, -1.0], intensity: 60.0, color: [0.4, 0.6, 1.0], radius: 0.0 };
+    let shining = Light::Emissive { group: 0, intensity: 2.0, color: [1.0, 0.9, 0.8] };
     let mut seen: Vec<Vec<Vec3>> = Vec::new();
-    for lights in [vec![own.clone()], vec![lamp], vec![own, sky(30.0)], vec![]] {
+    for lights in [vec![own.clone()], vec![lamp], vec![own, sky(30.0)], vec![shining]] {
         renderer.set_lights(lights.clone()).unwrap();
         let truth = of_metal(&conductors(&scene, &lights, SIZE));
         assert!(truth.len() > 200, "{} pixels", truth.len());
