@@ -98,18 +98,18 @@ mod tests {
 
     #[test]
     fn bins_have_equal_areas_and_their_middles_within() {
-        for count in [64, 128, 200, 512, 1000, 1024] {
+        for count in [64, 128, 200, 1024] {
             let bins = Bins::new(count);
             assert_eq!(bins.count(), count);
             for (i, direction) in bins.directions.iter().enumerate() {
                 assert_eq!(bins.bin_of(*direction), i, "{count}");
             }
-            let samples = 2_000 * count;
+            let samples = 1_000 * count;
             let mut found = vec![0u32; count];
             let mut stream = Stream::new(1, 2);
             (0..samples).for_each(|_| found[bins.bin_of(stream.sphere())] += 1);
             for hits in found {
-                assert!((1_800..2_200).contains(&hits), "{hits} of {count}");
+                assert!((850..1_150).contains(&hits), "{hits} of {count}");
             }
         }
     }

@@ -37,6 +37,6 @@ pub use bins::Bins;
 pub use hierarchy::Hierarchy;
 pub use links::Links;
 pub use patches::Patch;
-pub use solve::{AntiradianceFigures, Iteration, Solver, SolverSettings};
-pub use transfers::{Exchange, Transfers};
+pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
+pub use transfers::{Exchange, Spreading, Transfers};
 pub use workers::{Serial, Workers};

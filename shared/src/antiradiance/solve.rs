@@ -71,8 +71,34 @@ pub struct AntiradianceFigures {
     pub changes: Vec<f32>,
 }
 
+/// A part of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Light over links.
+    Global,
+    /// From clusters to patches.
+    Push,
+    /// K and J.
+    Local,
+    /// From patches to clusters.
+    Pull,
+}
+
+/// Whoever follows a solution.
+pub trait Observer {
+    /// A part of a step has passed.
+    fn passed(&mut self, _pass: Pass) {}
+
+    /// A step has passed; has the bounced irradiance by patch, and says whether to go on.
+    fn stepped(&mut self, _irradiance: &[Vec3]) -> bool {
+        true
+    }
+}
+
+impl Observer for () {}
+
 /// Elements and their links, ready for any light.
-pub struct Solver<'a> {
+pub struct AntiradianceSolver<'a> {
     /// Patches.
     pub patches: &'a [Patch],
     /// Elements.
@@ -89,7 +115,7 @@ pub struct Solver<'a> {
     pub normalisations: Vec<f32>,
 }
 
-impl<'a> Solver<'a> {
+impl<'a> AntiradianceSolver<'a> {
     /// Makes the hierarchy, links and form factors.
     pub fn new(patches: &'a [Patch], settings: &SolverSettings, workers: &dyn Workers) -> Self {
         let bins = Bins::new(settings.bins);
@@ -103,14 +129,13 @@ impl<'a> Solver<'a> {
     }
 
     /// Irradiance of the patches that bounced from others, for the `direct` irradiance of each. The direct light makes no
-    /// antiradiance: its shadows are in it (section 3.3). `observe` has the irradiance after each step, and says whether
-    /// to go on.
+    /// antiradiance: its shadows are in it (section 3.3).
     pub fn solve(
         &self,
         direct: &[Vec3],
         settings: &SolverSettings,
         workers: &dyn Workers,
-        observe: &mut dyn FnMut(u32, &[Vec3]) -> bool,
+        observer: &mut dyn Observer,
     ) -> (Vec<Vec3>, AntiradianceFigures) {
         let mut state = self.state(direct, workers);
         let mut figures = AntiradianceFigures::default();
@@ -118,10 +143,10 @@ impl<'a> Solver<'a> {
         for step in 0..settings.iterations {
             let before = state.irradiance.clone();
             let reflects = settings.iteration.reflects(step);
-            self.step(&mut state, direct, reflects, workers);
+            self.step(&mut state, direct, reflects, workers, observer);
             figures.changes.push(self.difference(&before, &state.irradiance));
             figures.iterations = step + 1;
-            if !observe(step, &state.irradiance) {
+            if !observer.stepped(&state.irradiance) {
                 break;
             }
             if reflects {
@@ -156,16 +181,25 @@ impl<'a> Solver<'a> {
             radiance: vec![Vec3::ZERO; self.patches.len()],
         };
         self.reflect(&mut state, direct);
-        self.leave(&mut state, workers);
+        self.leave(&mut state, workers, &mut ());
         state
     }
 
     /// Global pass, push, local pass, pull.
-    fn step(&self, state: &mut State, direct: &[Vec3], reflects: bool, workers: &dyn Workers) {
+    fn step(
+        &self,
+        state: &mut State,
+        direct: &[Vec3],
+        reflects: bool,
+        workers: &dyn Workers,
+        observer: &mut dyn Observer,
+    ) {
         let bins = self.bins.count();
         let State { incident, exitant, irradiance, .. } = state;
         global_pass(&self.transfers, &self.spread, bins, exitant, incident, workers);
+        observer.passed(Pass::Global);
         push(self.patches, &self.hierarchy, &self.bins, incident, workers);
+        observer.passed(Pass::Push);
         let incident = &*incident;
         workers.rows(irradiance, 1, &|patch, out| {
             let row = &incident[self.hierarchy.element_of[patch] as usize * bins..][..bins];
@@ -174,7 +208,7 @@ impl<'a> Solver<'a> {
         if reflects {
             self.reflect(state, direct);
         }
-        self.leave(state, workers);
+        self.leave(state, workers, observer);
     }
 
     /// K: radiance of the patches.
@@ -188,7 +222,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Exitant intensity of the patches, and of the clusters.
-    fn leave(&self, state: &mut State, workers: &dyn Workers) {
+    fn leave(&self, state: &mut State, workers: &dyn Workers, observer: &mut dyn Observer) {
         let bins = self.bins.count();
         let State { incident, exitant, radiance, .. } = state;
         workers.rows(exitant, bins, &|element, row| {
@@ -198,7 +232,9 @@ impl<'a> Solver<'a> {
                 self.local(patch).exitant(radiance[patch], &incident[element * bins..][..bins], row);
             }
         });
+        observer.passed(Pass::Local);
         pull(&self.hierarchy, bins, exitant, workers);
+        observer.passed(Pass::Pull);
     }
 
     fn local(&self, patch: usize) -> LocalPatch<'_> {
