@@ -29,8 +29,6 @@ use std::path::{Path, PathBuf};
 const MOST_RAYS: i64 = 1 << 20;
 /// Most patches and clusters.
 const MOST_ELEMENTS: usize = 1 << 21;
-/// Steps of antiradiance for each one of radiance, where both alternate (Dachsbacher et al. 2007, section 2.2).
-const ANTIRADIANCE_STEPS: u32 = 4;
 /// Headings of the help.
 const QUALITY: &str = "Quality";
 const WAVELET: &str = "Wavelet radiosity";
@@ -89,8 +87,11 @@ pub struct SolveArgs {
     #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().tolerance, value_parser = number::at_least_zero_single)]
     change: f32,
     /// Order of the steps of radiance and antiradiance
-    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_enum, default_value = "symmetric")]
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_enum, default_value = "ordered")]
     iteration: IterationName,
+    /// Steps of antiradiance for each one of radiance of the asymmetric iteration
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_name = "STEPS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..1000))]
+    antiradiance_steps: u32,
     /// How light comes from senders that are wider than a bin
     #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_enum, default_value = "exact")]
     spreading: SpreadingName,
@@ -136,9 +137,11 @@ enum SolverName {
 /// An order of the steps of antiradiance.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum IterationName {
-    /// Both in each step
+    /// Each bin from one end of the scene to the other: converges like light that bounces
+    Ordered,
+    /// Both in each step, of all elements at once, as a GPU does: may diverge between many surfaces behind each other
     Symmetric,
-    /// Four of antiradiance, then one of both: converges like light that bounces
+    /// Some of antiradiance, then one of both
     Asymmetric,
 }
 
@@ -237,8 +240,9 @@ impl SolveArgs {
                     SpreadingName::Gaussian => Spreading::Gaussian,
                 },
                 iteration: match self.iteration {
+                    IterationName::Ordered => Iteration::Ordered,
                     IterationName::Symmetric => Iteration::Symmetric,
-                    IterationName::Asymmetric => Iteration::Asymmetric(ANTIRADIANCE_STEPS + 1),
+                    IterationName::Asymmetric => Iteration::Asymmetric(self.antiradiance_steps + 1),
                 },
                 iterations: self.iterations,
                 tolerance: self.change,

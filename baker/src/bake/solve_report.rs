@@ -105,7 +105,7 @@ pub struct AntiradianceReport {
     pub links: u64,
     /// Form factors of the links: one for each bin that a link uses.
     pub transfers: u64,
-    /// `symmetric` or `asymmetric`.
+    /// `ordered`, `symmetric` or `asymmetric`.
     pub iteration: String,
     /// Steps, of the last group of light.
     pub iterations: u32,
@@ -132,6 +132,7 @@ impl AntiradianceReport {
         use rebounce_shared::antiradiance::Iteration;
         let [global, push, local, pull] = work.pass_seconds;
         let iteration = match settings.solver.iteration {
+            Iteration::Ordered => "ordered",
             Iteration::Symmetric => "symmetric",
             Iteration::Asymmetric(_) => "asymmetric",
         };

@@ -127,13 +127,14 @@ fn shelf(mesh: &mut WorldMesh, left: f64, right: f64) {
         let y = 0.06 + 0.48 * f64::from(row);
         let (from, to) = (left + BOARD, right - BOARD);
         block(mesh, dvec3(from, y, 0.01), dvec3(to, y + BOARD, DEPTH - 0.01), WOOD);
-        let mut x = from + between(0.02, 0.2);
-        while row < 4 && x < to - 0.1 {
-            let (low, width) = (dvec3(x, y + BOARD, 0.03), between(0.06, 0.09));
+        let mut x = from + between(0.02, 0.3);
+        while row < 4 && x < to - 0.3 {
+            // Files of one colour stand side by side.
+            let (low, width) = (dvec3(x, y + BOARD, 0.03), between(0.16, 0.5).min(to - x - 0.02));
             let high = dvec3(x + width, y + BOARD + 0.31, between(0.29, 0.32));
             let file = (between(0.0, FILES.len() as f64) as u32).min(FILES.len() as u32 - 1);
             block(mesh, low, high, FIRST_FILE + file);
-            x += width + if between(0.0, 1.0) < 0.2 { between(0.1, 0.35) } else { 0.006 };
+            x += width + between(0.08, 0.3);
         }
     }
 }

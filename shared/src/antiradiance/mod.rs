@@ -15,6 +15,7 @@
 //! | global pass U, push and pull | [`transport`] |
 //! | local pass K and J | [`local`], [`cosines`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
+//! | ordered iteration | [`sweep`] |
 //!
 //! Nothing here starts threads: [`workers`] is what a caller brings.
 
@@ -27,6 +28,7 @@ pub mod patches;
 pub mod samples;
 pub mod solve;
 pub mod spread;
+pub mod sweep;
 #[cfg(test)]
 mod tests;
 pub mod transfers;

@@ -1,4 +1,4 @@
-//! Symmetric and asymmetric iteration (antiradiance paper, section 2.2).
+//! Symmetric and asymmetric iteration (antiradiance paper, section 2.2), and the ordered one.
 
 use super::bins::Bins;
 use super::hierarchy::Hierarchy;
@@ -6,6 +6,7 @@ use super::links::Links;
 use super::local::LocalPatch;
 use super::patches::Patch;
 use super::spread::Spread;
+use super::sweep::{Sweep, SweepScene};
 use super::transfers::{Exchange, Spreading, Transfers};
 use super::transport::{global_pass, pull, push};
 use super::workers::Workers;
@@ -15,8 +16,10 @@ use std::f32::consts::FRAC_1_PI;
 /// Order of radiance and antiradiance steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Iteration {
-    /// Both in each step (Eq. 13 and 14).
+    /// Both in each step, in the order of the light's way: see [`super::sweep`].
     #[default]
+    Ordered,
+    /// Both in each step (Eq. 13 and 14).
     Symmetric,
     /// Radiance in one step of so many, antiradiance in all: converges like light that bounces.
     Asymmetric(u32),
@@ -26,7 +29,7 @@ impl Iteration {
     /// Whether a step, counted from 0, reflects light.
     fn reflects(&self, step: u32) -> bool {
         match self {
-            Self::Symmetric => true,
+            Self::Ordered | Self::Symmetric => true,
             Self::Asymmetric(steps) => (step + 1).is_multiple_of((*steps).max(1)),
         }
     }
@@ -55,7 +58,7 @@ impl Default for SolverSettings {
             bins: 128,
             width: 1.0,
             spreading: Spreading::Exact,
-            iteration: Iteration::Symmetric,
+            iteration: Iteration::Ordered,
             iterations: 40,
             tolerance: 1e-4,
         }
@@ -137,13 +140,18 @@ impl<'a> AntiradianceSolver<'a> {
         workers: &dyn Workers,
         observer: &mut dyn Observer,
     ) -> (Vec<Vec3>, AntiradianceFigures) {
-        let mut state = self.state(direct, workers);
+        let ordered = (settings.iteration == Iteration::Ordered)
+            .then(|| Sweep::new(&self.sweep_scene(), &self.transfers));
+        let mut state = self.state(direct, ordered.is_some(), workers);
         let mut figures = AntiradianceFigures::default();
         let mut reflected: Option<Vec<Vec3>> = None;
         for step in 0..settings.iterations {
             let before = state.irradiance.clone();
             let reflects = settings.iteration.reflects(step);
-            self.step(&mut state, direct, reflects, workers, observer);
+            match &ordered {
+                Some(sweep) => self.sweep(sweep, &mut state, direct, workers, observer),
+                None => self.step(&mut state, direct, reflects, workers, observer),
+            }
             figures.changes.push(self.difference(&before, &state.irradiance));
             figures.iterations = step + 1;
             if !observer.stepped(&state.irradiance) {
@@ -172,17 +180,45 @@ impl<'a> AntiradianceSolver<'a> {
     }
 
     /// Direct light has come to the patches, and nothing else.
-    fn state(&self, direct: &[Vec3], workers: &dyn Workers) -> State {
+    fn state(&self, direct: &[Vec3], is_ordered: bool, workers: &dyn Workers) -> State {
         let cells = self.hierarchy.elements.len() * self.bins.count();
         let mut state = State {
-            incident: vec![Vec3::ZERO; cells],
-            exitant: vec![Vec3::ZERO; cells],
+            incident: vec![Vec3::ZERO; if is_ordered { 2 * cells } else { cells }],
+            exitant: vec![Vec3::ZERO; if is_ordered { 0 } else { cells }],
             irradiance: vec![Vec3::ZERO; self.patches.len()],
             radiance: vec![Vec3::ZERO; self.patches.len()],
         };
         self.reflect(&mut state, direct);
-        self.leave(&mut state, workers, &mut ());
+        if !is_ordered {
+            self.leave(&mut state, workers, &mut ());
+        }
         state
+    }
+
+    fn sweep_scene(&self) -> SweepScene<'_> {
+        SweepScene {
+            patches: self.patches,
+            hierarchy: &self.hierarchy,
+            bins: &self.bins,
+            normalisations: &self.normalisations,
+        }
+    }
+
+    /// A sweep of all bins, and K.
+    fn sweep(
+        &self,
+        sweep: &Sweep,
+        state: &mut State,
+        direct: &[Vec3],
+        workers: &dyn Workers,
+        observer: &mut dyn Observer,
+    ) {
+        let scene = self.sweep_scene();
+        sweep.run(&scene, &state.radiance, &mut state.incident, workers);
+        observer.passed(Pass::Global);
+        Sweep::irradiance(&scene, &state.incident, &mut state.irradiance, workers);
+        self.reflect(state, direct);
+        observer.passed(Pass::Local);
     }
 
     /// Global pass, push, local pass, pull.
@@ -248,7 +284,7 @@ impl<'a> AntiradianceSolver<'a> {
 
 /// Tables of a solution.
 struct State {
-    /// Incident radiance by element and bin.
+    /// Incident radiance by element and bin; of the ordered iteration, the table of its sweeps.
     incident: Vec<Vec3>,
     /// Exitant intensity I_L − I_A by element and bin.
     exitant: Vec<Vec3>,

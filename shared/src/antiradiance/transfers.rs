@@ -150,7 +150,9 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// The bin of the light from a place on the sender, and its form factor; `None` if it does not come to the front.
+    /// The bin of the light from a place on the sender, and its form factor; `None` if it does not come to the front, or
+    /// against the way from middle to middle: patches wider than their distance would send each other light of one bin,
+    /// round and round, and antiradiance would not come to an end.
     fn form_factor(&self, to: &Element, sender: usize, place: Vec4) -> Option<(usize, f32)> {
         let way = to.position - place.truncate();
         let square = way.length_squared();
@@ -159,8 +161,12 @@ impl<'a> Exchange<'a> {
             return None;
         }
         let bin = self.bins.bin_of(direction);
+        let from = &self.hierarchy.elements[sender];
+        if self.bins.directions[bin].dot(to.position - from.position) <= 0.0 {
+            return None;
+        }
         let (cosine, correction) = self.cosine(sender, direction, bin)?;
-        let own = 0.75 * FRAC_1_PI * place.w * self.hierarchy.elements[sender].area * cosine;
+        let own = 0.75 * FRAC_1_PI * place.w * from.area * cosine;
         Some((bin, correction * place.w / ((square + own) * self.bins.solid_angle())))
     }
 
