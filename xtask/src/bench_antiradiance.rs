@@ -12,10 +12,10 @@ use record::{Recorder, Solved};
 
 /// Numbers of bins, and of elements, that are compared.
 const BINS: [usize; 5] = [64, 128, 256, 512, 1024];
-const ELEMENTS: [usize; 4] = [6_000, 12_000, 24_000, 45_000];
+const ELEMENTS: [usize; 4] = [3_000, 6_000, 12_000, 24_000];
 /// What the other stays at.
-const BINS_OF_ELEMENTS: usize = 512;
-const ELEMENTS_OF_BINS: usize = 20_000;
+const BINS_OF_ELEMENTS: usize = 256;
+const ELEMENTS_OF_BINS: usize = 8_000;
 /// Scenes, and the bins and elements of their figure in the paper.
 const SCENES: [(&str, usize, usize); 2] = [("office", 208, 45_000), ("maze", 1024, 6_088)];
 /// Iterations of the convergence plot: arguments of the command, and how they are called.
@@ -35,11 +35,18 @@ const BINS_OF_STEPS: usize = 128;
 /// If a step fails.
 pub fn run(args: &[String]) -> Result<()> {
     let spp = match args {
-        [] => "1024",
+        [] => "512",
         [option, spp] if option == "--spp" => spp,
         _ => bail!("there is --spp N, samples a pixel of each reference"),
     };
-    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce-cli"]))?;
+    process::run(process::cargo().args([
+        "build",
+        "--locked",
+        "--release",
+        "--package",
+        "rebounce-cli",
+        "--no-default-features",
+    ]))?;
     let recorder = Recorder::new(spp)?;
     let mut page = vec![format!(
         "Bounced light in pictures of 240 by 180 pixels against the path tracer (two references of {spp}\n\

@@ -60,6 +60,11 @@ impl Patch {
         self.of_quarters(Self::sixteenths)
     }
 
+    /// Middles of the 256 triangles.
+    pub fn two_hundred_fifty_sixths(&self) -> [Vec3; 256] {
+        self.of_quarters(Self::sixty_fourths)
+    }
+
     /// The places of all quarters.
     fn of_quarters<const N: usize, const ALL: usize>(&self, places: fn(&Self) -> [Vec3; N]) -> [Vec3; ALL] {
         let mut out = [Vec3::ZERO; ALL];

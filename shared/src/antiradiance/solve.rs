@@ -56,7 +56,7 @@ impl Default for SolverSettings {
     fn default() -> Self {
         Self {
             bins: 128,
-            width: 1.0,
+            width: 2.0,
             spreading: Spreading::Exact,
             iteration: Iteration::Ordered,
             iterations: 40,

@@ -43,7 +43,13 @@ fn slab(at: f32, half: f32, n: usize) -> Vec<Patch> {
 }
 
 fn settings(bins: usize) -> SolverSettings {
-    SolverSettings { bins, tolerance: 0.0, iteration: Iteration::Symmetric, ..SolverSettings::default() }
+    SolverSettings {
+        bins,
+        width: 1.0,
+        tolerance: 0.0,
+        iteration: Iteration::Symmetric,
+        ..SolverSettings::default()
+    }
 }
 
 /// Mean irradiance of patches by area.
@@ -211,7 +217,7 @@ fn the_light_of_two_lamps_is_the_sum_of_both() {
 #[test]
 fn the_ordered_iteration_holds_behind_many_surfaces_where_steps_overshoot() {
     // Twelve sheets behind each other; light comes from the first.
-    let sheet = |i: usize| square(0.1 * i as f32 * Vec3::Y, Vec3::X, Vec3::Z, 3, 0.5);
+    let sheet = |i: usize| square(0.1 * i as f32 * Vec3::Y, Vec3::X, Vec3::Z, 4, 0.5);
     let mut patches = square(2.0 * Vec3::NEG_Y, 6.0 * Vec3::Z, 6.0 * Vec3::X, 8, 1.0);
     patches.extend((0..12).flat_map(sheet));
     let settings = SolverSettings { iterations: 6, ..settings(128) };
@@ -222,5 +228,5 @@ fn the_ordered_iteration_holds_behind_many_surfaces_where_steps_overshoot() {
         behind.map(|(_, value)| value.x.abs()).fold(0.0, f32::max) / PI
     };
     let (ordered, symmetric) = (greatest(Iteration::Ordered), greatest(Iteration::Symmetric));
-    assert!(ordered < 0.1 && symmetric > 1.0, "{ordered} {symmetric}");
+    assert!(ordered < 0.4 && symmetric > 2.0, "{ordered} {symmetric}");
 }

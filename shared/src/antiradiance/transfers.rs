@@ -17,11 +17,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 /// Bits of a bin in [`Transfer::bins`].
 const BIN_BITS: u32 = 10;
-/// Solid angle of a sender, in bins, above which it has few samples, and many.
-const WIDE: f32 = 0.05;
-const VERY_WIDE: f32 = 0.4;
-/// Solid angle of a patch above which it has 64 samples, sr.
-const NEAR: f32 = 0.4;
+/// Solid angles of a sender, in bins, above which it has 4, 16, 64 and 256 samples: four in each bin or more. With fewer, a
+/// bin has none of them or several; behind surfaces near each other such noise grows.
+const WIDE: [f32; 4] = [0.05, 0.7, 4.0, 16.0];
 
 /// Light from one bin of a sender.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -126,16 +124,22 @@ impl<'a> Exchange<'a> {
         let ratio = solid_angle / self.bins.solid_angle();
         let middle = [from.position.extend(1.0)];
         let is_exact = self.spreading == Spreading::Exact;
-        let near: [Vec4; 64];
-        let places: &[Vec4] = match () {
-            () if is_exact && from.is_patch() && solid_angle > NEAR => {
-                let places = self.patches[from.first as usize].sixty_fourths();
-                near = places.map(|place| place.extend(1.0 / 64.0));
+        let (near, very_near): ([Vec4; 64], [Vec4; 256]);
+        let wide = if is_exact { WIDE.iter().take_while(|least| ratio > **least).count() } else { 0 };
+        let places: &[Vec4] = match wide {
+            0 => &middle,
+            1 => self.samples.of(sender, FEW),
+            3 if from.is_patch() => {
+                near =
+                    self.patches[from.first as usize].sixty_fourths().map(|place| place.extend(1.0 / 64.0));
                 &near
             }
-            () if is_exact && ratio > VERY_WIDE => self.samples.of(sender, MANY),
-            () if is_exact && ratio > WIDE => self.samples.of(sender, FEW),
-            () => &middle,
+            4 if from.is_patch() => {
+                let places = self.patches[from.first as usize].two_hundred_fifty_sixths();
+                very_near = places.map(|place| place.extend(1.0 / 256.0));
+                &very_near
+            }
+            _ => self.samples.of(sender, MANY),
         };
         let width = if is_exact { 0 } else { Spread::width(self.bins, from.area / square) };
         let begin = out.len();
