@@ -122,7 +122,7 @@ impl Recorder {
 
     /// Two references of a scene, with noise of their own; kept for the next run.
     fn references(&self, scene: &str) -> Result<[PathBuf; 2]> {
-        let take = |seed: &str| {
+        let take = |seed: &str| -> Result<PathBuf> {
             let out = self.file(&format!("{scene}-{}-{seed}.exr", self.spp));
             if !out.exists() {
                 let mut command = self.command("reference");
