@@ -2,6 +2,7 @@
 //!
 //! The crate is free of I/O and GPU code, and compiles to native and wasm:
 //!
+//! * `antiradiance` – bounced light without visibility, on the CPU, the reference for the GPU;
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
 //! * [`basis`] – functions that cover a place, parents and children;
 //! * [`clip_planes`] – planes that end supports at walls; [`surroundings`] – the surfaces around a point;
@@ -26,6 +27,8 @@
 //! "Paper" below is Lehtinen et al., *A Meshless Hierarchical Representation for Light
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
+#[cfg(feature = "antiradiance")]
+pub mod antiradiance;
 pub mod backdrop;
 pub mod baked;
 pub mod basis;

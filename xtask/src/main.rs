@@ -1,8 +1,9 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-scale`, `bench-gloss`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-antiradiance`, `bench-scale`, `bench-gloss`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
 //! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
+mod bench_antiradiance;
 mod bench_bake;
 mod bench_cad;
 mod bench_kernels;
@@ -74,6 +75,9 @@ cargo xtask bench-kernels
                      counts the instructions of a bake's kernels; installs valgrind
 cargo xtask bench-radiosity [--functions N] [SCENE ...]
                      solves scenes in several ways on CPU and GPU, and bakes a vase with and without a group of its own
+cargo xtask bench-antiradiance [--spp N]
+                     antiradiance against the path tracer, by bins, elements and iterations; writes docs/reports/antiradiance.md
+                     with plots. Half an hour
 cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
                      errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: minutes, without
@@ -132,6 +136,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-kernels") => bench_kernels::run(&args[1..]),
         Some("bench-cad") => bench_cad::run(&args[1..]),
+        Some("bench-antiradiance") => bench_antiradiance::run(&args[1..]),
         Some("bench-radiosity") => bench_radiosity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-gloss") => gloss::run(&args[1..]),

@@ -9,6 +9,7 @@ use rebounce::io::files::Disk;
 use rebounce::io::shot;
 use rebounce::io::write::write_whole;
 use rebounce::scene::{Scene, emissive_groups};
+use rebounce::transport::antiradiance::AntiradianceSettings;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce::transport::wavelet::{Order, WaveletSettings};
 use rebounce_args::bake::output_of;
@@ -16,6 +17,8 @@ use rebounce_args::layout::{LayoutArgs, PresetName};
 use rebounce_args::load::LoadArgs;
 use rebounce_args::number;
 use rebounce_args::paths::{DiskPlaces, check_paths};
+use rebounce_shared::antiradiance::bins::{LEAST_BINS, MOST_BINS};
+use rebounce_shared::antiradiance::{Iteration, SolverSettings, Spreading};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::light::{Light, LightKind};
@@ -24,9 +27,12 @@ use std::path::{Path, PathBuf};
 
 /// Most rays per receiver.
 const MOST_RAYS: i64 = 1 << 20;
+/// Most patches and clusters.
+const MOST_ELEMENTS: usize = 1 << 21;
 /// Headings of the help.
 const QUALITY: &str = "Quality";
 const WAVELET: &str = "Wavelet radiosity";
+const ANTIRADIANCE: &str = "Antiradiance";
 const REPORTS: &str = "Reports";
 
 const AFTER_HELP: &str = "\
@@ -53,7 +59,7 @@ pub struct SolveArgs {
     viewpoint: Vec<[f64; 3]>,
     #[command(flatten)]
     load: LoadArgs,
-    /// What computes the light: radiosity gathers at the functions; wavelet shoots between faces, exact ones of a .step file
+    /// What computes the light: radiosity gathers at the functions; wavelet shoots between faces, exact ones of a .step file; antiradiance needs no visibility between patches of opaque surfaces
     #[arg(long, value_enum, default_value = "radiosity")]
     solver: SolverName,
     /// Order of the wavelets: 1 constant, 2 linear, 3 quadratic on each cell
@@ -68,6 +74,30 @@ pub struct SolveArgs {
     /// Most times that a face is divided in four
     #[arg(long, help_heading = WAVELET, hide_short_help = true, default_value_t = WaveletSettings::default().max_level, value_parser = clap::value_parser!(u32).range(0..=10))]
     depth: u32,
+    /// About how many bins of directions, 64 to 1024
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().bins, value_parser = bins)]
+    bins: usize,
+    /// About how many patches and clusters, as in 45K
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_parser = |text: &str| number::count(text, MOST_ELEMENTS))]
+    elements: Option<usize>,
+    /// Steps of the iteration at most; it ends when the light changes no more
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().iterations, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: u32,
+    /// Change of the light between two steps that ends the iteration, as a share of it; 0 takes all steps
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().tolerance, value_parser = number::at_least_zero_single)]
+    change: f32,
+    /// Order of the steps of radiance and antiradiance
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_enum, default_value = "ordered")]
+    iteration: IterationName,
+    /// Steps of antiradiance for each one of radiance of the asymmetric iteration
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_name = "STEPS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..1000))]
+    antiradiance_steps: u32,
+    /// How light comes from senders that are wider than a bin
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, value_enum, default_value = "exact")]
+    spreading: SpreadingName,
+    /// Greatest solid angle of the elements of a link, in bins
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().width, value_parser = number::over_zero_single)]
+    link_width: f32,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
@@ -101,6 +131,36 @@ pub struct SolveArgs {
 enum SolverName {
     Radiosity,
     Wavelet,
+    Antiradiance,
+}
+
+/// An order of the steps of antiradiance.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum IterationName {
+    /// Each bin from one end of the scene to the other: converges like light that bounces
+    Ordered,
+    /// Both in each step, of all elements at once, as a GPU does: may diverge between many surfaces behind each other
+    Symmetric,
+    /// Some of antiradiance, then one of both
+    Asymmetric,
+}
+
+/// A way of spreading.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SpreadingName {
+    /// Each bin that the sender reaches gives its own light
+    Exact,
+    /// The bin of the middle gives its light to its neighbours too
+    Gaussian,
+}
+
+fn bins(text: &str) -> Result<usize, String> {
+    let count: usize = text.parse().map_err(|_| "a whole number is needed, as in 512".to_owned())?;
+    if (LEAST_BINS..=MOST_BINS).contains(&count) {
+        Ok(count)
+    } else {
+        Err(format!("it is from {LEAST_BINS} to {MOST_BINS}"))
+    }
 }
 
 fn convergence(text: &str) -> Result<f64, String> {
@@ -169,6 +229,27 @@ fn light_by(scene: &mut Scene, path: &Path) -> Result<Camera> {
 }
 
 impl SolveArgs {
+    fn antiradiance(&self) -> AntiradianceSettings {
+        AntiradianceSettings {
+            elements: self.elements.unwrap_or(AntiradianceSettings::default().elements),
+            solver: SolverSettings {
+                bins: self.bins,
+                width: self.link_width,
+                spreading: match self.spreading {
+                    SpreadingName::Exact => Spreading::Exact,
+                    SpreadingName::Gaussian => Spreading::Gaussian,
+                },
+                iteration: match self.iteration {
+                    IterationName::Ordered => Iteration::Ordered,
+                    IterationName::Symmetric => Iteration::Symmetric,
+                    IterationName::Asymmetric => Iteration::Asymmetric(self.antiradiance_steps + 1),
+                },
+                iterations: self.iterations,
+                tolerance: self.change,
+            },
+        }
+    }
+
     fn settings(&self) -> SolveSettings {
         let mut bake = BakeSettings::new(self.preset.into());
         bake.viewpoints.clone_from(&self.viewpoint);
@@ -190,6 +271,7 @@ impl SolveArgs {
                 max_level: self.depth,
                 ..WaveletSettings::default()
             }),
+            SolverName::Antiradiance => FixedSolver::Antiradiance(self.antiradiance()),
         };
         SolveSettings { bake, radiosity, solver }
     }

@@ -34,7 +34,7 @@ pub use observer::{Observer, Preview, Progress};
 pub use preset::{BakeSettings, BakeSolver, Preset, Purpose};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 pub use solve::{FixedSolver, SolveSettings, solve};
-pub use solve_report::{SolveReport, WaveletReport};
+pub use solve_report::{AntiradianceReport, SolveReport, WaveletReport};
 
 use crate::geometry::SceneSurfaces;
 use crate::geometry::Surfaces;
@@ -43,6 +43,8 @@ use crate::job::watch::Stopped;
 use crate::sampling::emitter::{ParticleEmitter, View};
 use crate::sampling::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
+#[cfg(feature = "antiradiance")]
+use crate::transport::antiradiance::AntiradianceError;
 #[cfg(feature = "exact-faces")]
 use crate::transport::wavelet::{WaveletError, WaveletRadiosityError};
 use glam::{DVec3, Vec3};
@@ -91,9 +93,24 @@ pub enum BakeError {
     #[cfg(feature = "exact-faces")]
     #[error(transparent)]
     Wavelet(WaveletError),
+    /// There is nothing to make patches of.
+    #[cfg(feature = "antiradiance")]
+    #[error("{}", AntiradianceError::Empty)]
+    NoPatches,
     /// The result does not fit the file format.
     #[error(transparent)]
     Format(#[from] RbnError),
+}
+
+#[cfg(feature = "antiradiance")]
+impl From<AntiradianceError> for BakeError {
+    fn from(error: AntiradianceError) -> Self {
+        match error {
+            AntiradianceError::Empty => Self::NoPatches,
+            AntiradianceError::Stopped(_) => Self::Stopped,
+            AntiradianceError::Job(error) => error.into(),
+        }
+    }
 }
 
 #[cfg(feature = "exact-faces")]

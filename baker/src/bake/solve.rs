@@ -2,7 +2,7 @@
 
 use super::assemble::assemble;
 use super::baker::Built;
-use super::solve_report::{SolveReport, WaveletReport};
+use super::solve_report::{AntiradianceReport, SolveReport, WaveletReport};
 use super::stages::Recipe;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Baker, Stage};
@@ -12,6 +12,8 @@ use crate::job::communicator::{CommunicatorError, run_blocking};
 use crate::job::watch::{Uncounted, Watch};
 use crate::sampling::openness;
 use crate::scene::{Scene, emissive_groups};
+#[cfg(feature = "antiradiance")]
+use crate::transport::antiradiance::{Antiradiance, AntiradianceSettings};
 use crate::transport::radiosity::{FixedSolution, GroupSource, ProgressiveRadiosity, RadiositySettings};
 use crate::transport::sources::SourceLinks;
 #[cfg(feature = "exact-faces")]
@@ -37,6 +39,9 @@ pub enum FixedSolver {
     /// Wavelet radiosity on virtual meshes (Alonso et al. 2001), evaluated at the points.
     #[cfg(feature = "exact-faces")]
     Wavelet(WaveletSettings),
+    /// Radiance and antiradiance at patches (Dachsbacher et al. 2007), evaluated at the points.
+    #[cfg(feature = "antiradiance")]
+    Antiradiance(AntiradianceSettings),
 }
 
 /// Settings of a fixed solution.
@@ -69,6 +74,7 @@ pub fn solve(scene: &Scene, settings: &SolveSettings) -> Result<(BakedScene, Sol
 struct Solved {
     solution: FixedSolution,
     by_wavelets: Option<ByWavelets>,
+    by_antiradiance: Option<AntiradianceReport>,
 }
 
 /// Wavelet radiosity of the patches.
@@ -104,7 +110,8 @@ impl<S: Surfaces> Recipe<'_, S> {
             relations: &relations,
             settings: &bake.operator,
         };
-        let Solved { solution, by_wavelets } = self.solution(settings, &problem, &bake).await?;
+        let Solved { solution, by_wavelets, by_antiradiance } =
+            self.solution(settings, &problem, &bake).await?;
         let task = tracker.task(Stage::Assemble, None);
         let operator = Operator {
             bounces: solution.bounces,
@@ -119,6 +126,7 @@ impl<S: Surfaces> Recipe<'_, S> {
         let mut report = SolveReport::new(report, &settings.radiosity, &solution);
         report.describe(&points, self.staged.lights.len(), tracker.seconds());
         report.wavelet = wavelet;
+        report.antiradiance = by_antiradiance;
         Ok((file, report))
     }
 
@@ -136,7 +144,7 @@ impl<S: Surfaces> Recipe<'_, S> {
                 let settings = settings.radiosity.clone();
                 let solver = ProgressiveRadiosity { groups, settings, sources, emissive_groups };
                 let solution = solver.solve(problem, &self.job, &mut |_, _| Ok(())).await?;
-                Ok(Solved { solution, by_wavelets: None })
+                Ok(Solved { solution, by_wavelets: None, by_antiradiance: None })
             }
             #[cfg(feature = "exact-faces")]
             FixedSolver::Wavelet(settings) => {
@@ -145,7 +153,16 @@ impl<S: Surfaces> Recipe<'_, S> {
                 let solver =
                     WaveletRadiosity { groups, patches: &patches, settings, sources, emissive_groups };
                 let (solution, solved) = solver.solve(problem, &self.job).await?;
-                Ok(Solved { solution, by_wavelets: Some(ByWavelets { patches, solved, settings }) })
+                let by_wavelets = Some(ByWavelets { patches, solved, settings });
+                Ok(Solved { solution, by_wavelets, by_antiradiance: None })
+            }
+            #[cfg(feature = "antiradiance")]
+            FixedSolver::Antiradiance(settings) => {
+                let scene = self.scene;
+                let solver = Antiradiance { groups, scene, settings, sources, emissive_groups };
+                let (solution, work) = solver.solve(problem, &self.job).await?;
+                let report = AntiradianceReport::new(&settings, work);
+                Ok(Solved { solution, by_wavelets: None, by_antiradiance: Some(report) })
             }
         }
     }

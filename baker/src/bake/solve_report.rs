@@ -47,6 +47,8 @@ pub struct SolveReport {
     pub ray_seconds: f64,
     /// Figures of wavelet radiosity; `None` of other solvers.
     pub wavelet: Option<WaveletReport>,
+    /// Figures of antiradiance; `None` of other solvers.
+    pub antiradiance: Option<AntiradianceReport>,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(String, f64)>,
     /// Peak memory of the process, bytes; 0 if unknown to the system.
@@ -88,6 +90,90 @@ pub struct WaveletReport {
     pub charts: u64,
     /// Triangles without a chart: they have the light of the points.
     pub triangles_left_out: u64,
+}
+
+/// Figures of antiradiance: columns of Tables 1 and 2 of Dachsbacher et al. 2007.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct AntiradianceReport {
+    /// Bins of directions.
+    pub bins: u64,
+    /// Patches, and with them clusters.
+    pub patches: u64,
+    /// Patches and clusters.
+    pub elements: u64,
+    /// Links.
+    pub links: u64,
+    /// Form factors of the links: one for each bin that a link uses.
+    pub transfers: u64,
+    /// `ordered`, `symmetric` or `asymmetric`.
+    pub iteration: String,
+    /// Steps, of the last group of light.
+    pub iterations: u32,
+    /// Seconds of making hierarchy, links and form factors.
+    pub link_seconds: f64,
+    /// Seconds of all global passes.
+    pub global_seconds: f64,
+    /// Seconds of all local passes.
+    pub local_seconds: f64,
+    /// Seconds of all pushes and pulls.
+    pub push_pull_seconds: f64,
+    /// Difference of each step's irradiance from the last step's, a share of it, of the last group of light.
+    pub differences: Vec<f32>,
+    /// Bytes of the tables of radiance and intensity, and of the form factors.
+    pub bytes: u64,
+}
+
+#[cfg(feature = "antiradiance")]
+impl AntiradianceReport {
+    pub(super) fn new(
+        settings: &crate::transport::antiradiance::AntiradianceSettings,
+        work: crate::transport::antiradiance::AntiradianceWork,
+    ) -> Self {
+        use rebounce_shared::antiradiance::Iteration;
+        let [global, push, local, pull] = work.pass_seconds;
+        let iteration = match settings.solver.iteration {
+            Iteration::Ordered => "ordered",
+            Iteration::Symmetric => "symmetric",
+            Iteration::Asymmetric(_) => "asymmetric",
+        };
+        Self {
+            bins: work.bins as u64,
+            patches: work.patches as u64,
+            elements: work.elements as u64,
+            links: work.links as u64,
+            transfers: work.transfers as u64,
+            iteration: iteration.to_owned(),
+            iterations: work.iterations,
+            link_seconds: work.link_seconds,
+            global_seconds: global,
+            local_seconds: local,
+            push_pull_seconds: push + pull,
+            differences: work.differences,
+            bytes: work.bytes,
+        }
+    }
+}
+
+impl AntiradianceReport {
+    fn describe(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "elements      {}, {} of them patches; {} bins", self.elements, self.patches, self.bins)?;
+        writeln!(
+            f,
+            "links         {} with {} form factors, in {:.1} s",
+            self.links, self.transfers, self.link_seconds
+        )?;
+        let ms = |seconds: f64| 1e3 * seconds / f64::from(self.iterations.max(1));
+        writeln!(
+            f,
+            "iteration     {}, {} steps: global {:.0} ms, push and pull {:.0} ms, local {:.0} ms each",
+            self.iteration,
+            self.iterations,
+            ms(self.global_seconds),
+            ms(self.push_pull_seconds),
+            ms(self.local_seconds)
+        )?;
+        writeln!(f, "tables        {:.1} MB", self.bytes as f64 / 1e6)
+    }
 }
 
 #[cfg(feature = "exact-faces")]
@@ -209,6 +295,8 @@ impl fmt::Display for SolveReport {
                 }
                 None => writeln!(f, "lightmap      none: its charts do not fit a texture")?,
             }
+        } else if let Some(of) = &self.antiradiance {
+            of.describe(f)?;
         } else {
             writeln!(
                 f,

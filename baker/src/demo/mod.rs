@@ -9,6 +9,8 @@ mod corridor;
 mod furnace;
 mod gallery;
 mod library;
+mod maze;
+mod office;
 mod sky;
 mod theatre;
 mod trophy;
@@ -25,7 +27,7 @@ use std::f64::consts::TAU;
 use two_rooms::Door;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 18] = [
+pub const NAMES: [&str; 20] = [
     "apartment",
     "arcade",
     "attic",
@@ -35,6 +37,8 @@ pub const NAMES: [&str; 18] = [
     "furnace",
     "gallery",
     "library",
+    "maze",
+    "office",
     "opera",
     "teapot",
     "theatre",
@@ -60,6 +64,8 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "furnace" => Ok(furnace::scene()),
         "gallery" => Ok(gallery::scene()),
         "library" => Ok(library::scene()),
+        "maze" => Ok(maze::scene()),
+        "office" => Ok(office::scene()),
         "theatre" => Ok(theatre::scene()),
         "trophy" => Ok(trophy::scene()),
         "two-rooms" => Ok(two_rooms::scene(name, Door::None)),
@@ -255,6 +261,25 @@ mod tests {
         }
         // No sky is in sight from a corner of the dark room.
         assert_eq!(all_fronts(&scene, [17.3, 1.5, 2.4]), 10_000);
+    }
+
+    #[test]
+    fn maze_and_office_are_closed_but_for_an_opening_and_their_cameras_see_no_sun() {
+        for scene in [maze::scene(), office::scene()] {
+            let hits = all_fronts(&scene, scene.cameras[0].position);
+            assert!((9_000..10_000).contains(&hits), "{hits} in {}", scene.name);
+            let surfaces = TriangleSurfaces::from_scene(&scene);
+            let light = [scene.lights[0].source(scene.origin)];
+            let frame = scene.cameras[0].frame(scene.origin);
+            let lit = |i: u32| {
+                let direction = frame.direction((i % 40) as f32 + 0.5, (i / 40) as f32 + 0.5, 40, 30);
+                let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
+                let hit = surfaces.cast(&ray, 0).unwrap();
+                crate::light::direct::at_hit(&surfaces, &light, &hit) != Vec3::ZERO
+            };
+            let lit = (0..1200).filter(|i| lit(*i)).count();
+            assert!(lit < 60, "{lit} pixels of {}", scene.name);
+        }
     }
 
     #[test]

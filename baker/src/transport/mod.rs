@@ -6,6 +6,7 @@
 //! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008);
 //! * [`radiosity`] – bounced light of given lights that stay in place (Lehtinen et al. 2007);
 //! * [`wavelet`] – bounced light of given lights on exact surfaces (Alonso et al. 2001);
+//! * `antiradiance` – bounced light of given lights without visibility between surfaces (Dachsbacher et al. 2007);
 //! * [`Unlinked`] – no transport: radiosity of moving things is computed when a file is shown (Schäfer et al. 2011);
 //! * [`sources`] – links from the sky and from emissive surfaces, which stay in place;
 //! * [`environment`] – transfer from the sky in place of links, for objects (Sloan et al. 2002);
@@ -13,6 +14,8 @@
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
+#[cfg(feature = "antiradiance")]
+pub mod antiradiance;
 pub mod direct_to_indirect;
 pub mod environment;
 #[cfg(feature = "gloss")]

@@ -1,0 +1,42 @@
+//! Direct irradiance of patches: lamps by shadow rays, the sky and shining surfaces as they come to the points of the file.
+
+use super::near::Near;
+use crate::geometry::Surfaces;
+use crate::job::watch::{Stopped, Watch};
+use crate::light::direct::at_point;
+use crate::transport::radiosity::GroupSource;
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::antiradiance::Patch;
+
+/// Irradiance of each patch by one group of light: the mean over the middles of its sixteenths.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn of_lamps<S: Surfaces>(
+    surfaces: &S,
+    patches: &[Patch],
+    group: &GroupSource,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec3>, Stopped> {
+    let lamps = &group.lighting.lamps;
+    if lamps.is_empty() {
+        return Ok(vec![Vec3::ZERO; patches.len()]);
+    }
+    let of_patch = |(i, patch): (usize, &Patch)| {
+        if i % 64 == 0 {
+            watch.step(0)?;
+        }
+        let places = patch.sixteenths();
+        let sum: Vec3 = places.iter().map(|place| at_point(surfaces, lamps, *place, patch.normal)).sum();
+        Ok(sum / places.len() as f32)
+    };
+    patches.par_iter().enumerate().map(of_patch).collect()
+}
+
+/// Adds what comes to the points from the sky and from shining surfaces; `values` are the points'.
+pub fn add_linked(patches: &[Patch], values: &[Vec3], points: &Near<'_>, out: &mut [Vec3]) {
+    out.par_iter_mut().zip(patches).for_each(|(value, patch)| {
+        *value += points.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
+    });
+}

@@ -1,0 +1,44 @@
+//! Antiradiance: bounced light without visibility (Dachsbacher, Stamminger, Drettakis, Durand: *Implicit Visibility and
+//! Antiradiance for Interactive Global Illumination*, 2007; "the antiradiance paper" in this module).
+//!
+//! Light goes through all surfaces (the operator U). Each surface sends on what has come to it from the front as
+//! antiradiance, negative light, which takes it away from what is behind. Radiance and antiradiance are tables of intensity
+//! by element and direction; flat arrays, as a GPU has them:
+//!
+//! | stage | here |
+//! |---|---|
+//! | directions: equal-area bins | [`bins`] |
+//! | patches, clusters above them, breadth first | [`patches`], [`hierarchy`] |
+//! | where the light of an element leaves from | [`samples`] |
+//! | refinement oracle: which elements exchange light | [`links`] |
+//! | form factors: bins and factors of a link | [`transfers`], [`spread`] |
+//! | global pass U, push and pull | [`transport`] |
+//! | local pass K and J | [`local`], [`cosines`] |
+//! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
+//! | ordered iteration | [`sweep`] |
+//!
+//! Nothing here starts threads: [`workers`] is what a caller brings.
+
+pub mod bins;
+pub mod cosines;
+pub mod hierarchy;
+pub mod links;
+pub mod local;
+pub mod patches;
+pub mod samples;
+pub mod solve;
+pub mod spread;
+pub mod sweep;
+#[cfg(test)]
+mod tests;
+pub mod transfers;
+pub mod transport;
+pub mod workers;
+
+pub use bins::Bins;
+pub use hierarchy::Hierarchy;
+pub use links::Links;
+pub use patches::Patch;
+pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
+pub use transfers::{Exchange, Spreading, Transfers};
+pub use workers::{Serial, Workers};

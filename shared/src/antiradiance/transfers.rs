@@ -1,0 +1,189 @@
+//! Form factors of links: from which bin of the sender how much light comes to which bins of the receiver (antiradiance
+//! paper, section 3.1, Eq. 17).
+//!
+//! A sender is infinitely small in the paper's 1 / (d² ω). Here it has its projected area: 1 / ((d² + ¾ a/π) ω), the solid
+//! angle of a disc to the second order, which stays below that of a half space where patches touch.
+
+use super::bins::Bins;
+use super::cosines::{BinCosines, normalisation};
+use super::hierarchy::{Element, Hierarchy};
+use super::links::{GRAZING, Links};
+use super::patches::Patch;
+use super::samples::{FEW, MANY, Samples};
+use super::spread::Spread;
+use super::workers::Workers;
+use glam::{Vec3, Vec4};
+use std::f32::consts::{FRAC_1_PI, PI};
+
+/// Bits of a bin in [`Transfer::bins`].
+const BIN_BITS: u32 = 10;
+/// Solid angles of a sender, in bins, above which it has 4, 16, 64 and 256 samples: four in each bin or more. With fewer, a
+/// bin has none of them or several; behind surfaces near each other such noise grows.
+const WIDE: [f32; 4] = [0.05, 0.7, 4.0, 16.0];
+
+/// Light from one bin of a sender.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct Transfer {
+    /// Element that it comes from.
+    pub sender: u32,
+    /// The bin, and above its ten bits the width that it is spread by.
+    pub bins: u32,
+    /// Incident radiance per exitant intensity, 1 / square scene units.
+    pub factor: f32,
+}
+
+impl Transfer {
+    /// The bin.
+    pub fn bin(&self) -> usize {
+        (self.bins & ((1 << BIN_BITS) - 1)) as usize
+    }
+
+    /// Index of the width in [`Spread`].
+    pub fn width(&self) -> usize {
+        (self.bins >> BIN_BITS) as usize
+    }
+}
+
+/// How the light of a sender that is wider than a bin comes to several.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spreading {
+    /// Each bin of the cone of the sender gives its own light to the same bin of the receiver; the solid angles are
+    /// those of samples of the sender.
+    #[default]
+    Exact,
+    /// The bin in the direction of the middles gives its light to the neighbours too, by a Gaussian: one transfer a link.
+    Gaussian,
+}
+
+/// Transfers by receiver.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Transfers {
+    /// First transfer of each element, and the number of transfers at the end.
+    pub offsets: Vec<u32>,
+    /// Transfers.
+    pub transfers: Vec<Transfer>,
+}
+
+impl Transfers {
+    /// Computes those of all links.
+    pub fn new(exchange: &Exchange<'_>, links: &Links, workers: &dyn Workers) -> Self {
+        let count = exchange.hierarchy.elements.len();
+        let rows = workers.lists(count, &|receiver| {
+            let mut out = Vec::new();
+            links.of(receiver).iter().for_each(|sender| exchange.add(receiver, *sender as usize, &mut out));
+            out
+        });
+        let mut offsets = Vec::with_capacity(count + 1);
+        offsets.push(0);
+        let mut transfers = Vec::with_capacity(rows.iter().map(Vec::len).sum());
+        for row in rows {
+            transfers.extend_from_slice(&row);
+            offsets.push(transfers.len() as u32);
+        }
+        Self { offsets, transfers }
+    }
+
+    /// Transfers to a receiver.
+    pub fn to(&self, receiver: usize) -> &[Transfer] {
+        &self.transfers[self.offsets[receiver] as usize..self.offsets[receiver + 1] as usize]
+    }
+}
+
+/// What form factors are computed from.
+pub struct Exchange<'a> {
+    bins: &'a Bins,
+    patches: &'a [Patch],
+    hierarchy: &'a Hierarchy,
+    samples: Samples,
+    /// By patch: see [`normalisation`].
+    pub normalisations: Vec<f32>,
+    /// Index of a patch of each element.
+    first_patch: Vec<u32>,
+    spreading: Spreading,
+}
+
+impl<'a> Exchange<'a> {
+    /// Prepares the elements.
+    pub fn new(bins: &'a Bins, patches: &'a [Patch], hierarchy: &'a Hierarchy, spreading: Spreading) -> Self {
+        let normalisations = patches.iter().map(|patch| normalisation(bins, patch.normal)).collect();
+        let samples = Samples::new(patches, hierarchy);
+        let mut first_patch = vec![0; hierarchy.elements.len()];
+        for (i, element) in hierarchy.elements.iter().enumerate().rev() {
+            let first = element.first as usize;
+            first_patch[i] = if element.is_patch() { element.first } else { first_patch[first] };
+        }
+        Self { bins, patches, hierarchy, samples, normalisations, first_patch, spreading }
+    }
+
+    /// Adds the transfers of a link.
+    pub fn add(&self, receiver: usize, sender: usize, out: &mut Vec<Transfer>) {
+        let [to, from] = [receiver, sender].map(|i| &self.hierarchy.elements[i]);
+        let square = to.position.distance_squared(from.position);
+        let solid_angle = PI * from.radius * from.radius / square.max(f32::MIN_POSITIVE);
+        let ratio = solid_angle / self.bins.solid_angle();
+        let middle = [from.position.extend(1.0)];
+        let is_exact = self.spreading == Spreading::Exact;
+        let (near, very_near): ([Vec4; 64], [Vec4; 256]);
+        let wide = if is_exact { WIDE.iter().take_while(|least| ratio > **least).count() } else { 0 };
+        let places: &[Vec4] = match wide {
+            0 => &middle,
+            1 => self.samples.of(sender, FEW),
+            3 if from.is_patch() => {
+                near =
+                    self.patches[from.first as usize].sixty_fourths().map(|place| place.extend(1.0 / 64.0));
+                &near
+            }
+            4 if from.is_patch() => {
+                let places = self.patches[from.first as usize].two_hundred_fifty_sixths();
+                very_near = places.map(|place| place.extend(1.0 / 256.0));
+                &very_near
+            }
+            _ => self.samples.of(sender, MANY),
+        };
+        let width = if is_exact { 0 } else { Spread::width(self.bins, from.area / square) };
+        let begin = out.len();
+        for place in places.iter().filter(|place| place.w > 0.0) {
+            let Some((bin, factor)) = self.form_factor(to, sender, *place) else { continue };
+            let bins = bin as u32 | (width as u32) << BIN_BITS;
+            if let Some(same) = out[begin..].iter_mut().find(|transfer| transfer.bins == bins) {
+                same.factor += factor;
+            } else {
+                out.push(Transfer { sender: sender as u32, bins, factor });
+            }
+        }
+    }
+
+    /// The bin of the light from a place on the sender, and its form factor; `None` if it does not come to the front, or
+    /// against the way from middle to middle: patches wider than their distance would send each other light of one bin,
+    /// round and round, and antiradiance would not come to an end.
+    fn form_factor(&self, to: &Element, sender: usize, place: Vec4) -> Option<(usize, f32)> {
+        let way = to.position - place.truncate();
+        let square = way.length_squared();
+        let direction = way / square.sqrt().max(f32::MIN_POSITIVE);
+        if to.is_flat() && to.normal.dot(-direction) <= GRAZING {
+            return None;
+        }
+        let bin = self.bins.bin_of(direction);
+        let from = &self.hierarchy.elements[sender];
+        if self.bins.directions[bin].dot(to.position - from.position) <= 0.0 {
+            return None;
+        }
+        let (cosine, correction) = self.cosine(sender, direction, bin)?;
+        let own = 0.75 * FRAC_1_PI * place.w * from.area * cosine;
+        Some((bin, correction * place.w / ((square + own) * self.bins.solid_angle())))
+    }
+
+    /// Cosine of a sender in a direction, and the same over the one that its intensity in the bin has: the solid angle is
+    /// then the true one. Of one that is not flat both are 1. `None` along its plane.
+    fn cosine(&self, sender: usize, direction: Vec3, bin: usize) -> Option<(f32, f32)> {
+        let from = &self.hierarchy.elements[sender];
+        if !from.is_flat() {
+            return Some((1.0, 1.0));
+        }
+        let normalisation = self.normalisations[self.first_patch[sender] as usize];
+        let cosine = from.normal.dot(direction).abs();
+        let mean = BinCosines::new(from.normal.dot(self.bins.directions[bin]), self.bins.sine()).both();
+        (cosine > GRAZING).then(|| (cosine, cosine / (normalisation * mean).max(GRAZING)))
+    }
+}
