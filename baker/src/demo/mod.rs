@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn maze_and_office_are_closed_but_for_an_opening_and_their_cameras_see_no_sun() {
+    fn maze_and_office_are_closed_but_for_an_opening_and_their_cameras_see_little_of_the_sun() {
         for scene in [maze::scene(), office::scene()] {
             let hits = all_fronts(&scene, scene.cameras[0].position);
             assert!((9_000..10_000).contains(&hits), "{hits} in {}", scene.name);
@@ -278,7 +278,7 @@ mod tests {
                 crate::light::direct::at_hit(&surfaces, &light, &hit) != Vec3::ZERO
             };
             let lit = (0..1200).filter(|i| lit(*i)).count();
-            assert!(lit < 60, "{lit} pixels of {}", scene.name);
+            assert!(lit < 120, "{lit} pixels of {}", scene.name);
         }
     }
 

@@ -11,7 +11,7 @@
 //! | patches, clusters above them, breadth first | [`patches`], [`hierarchy`] |
 //! | where the light of an element leaves from | [`samples`] |
 //! | refinement oracle: which elements exchange light | [`links`] |
-//! | form factors: bins and factors of a link | [`transfers`], [`spread`] |
+//! | form factors: bins and factors of a link | [`transfers`], [`transfer`], [`spread`] |
 //! | global pass U, push and pull | [`transport`] |
 //! | local pass K and J | [`local`], [`cosines`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
@@ -31,6 +31,7 @@ pub mod spread;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+pub mod transfer;
 pub mod transfers;
 pub mod transport;
 pub mod workers;
@@ -40,5 +41,6 @@ pub use hierarchy::Hierarchy;
 pub use links::Links;
 pub use patches::Patch;
 pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
+pub use transfer::Transfer;
 pub use transfers::{Exchange, Spreading, Transfers};
 pub use workers::{Serial, Workers};

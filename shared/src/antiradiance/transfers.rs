@@ -11,39 +11,14 @@ use super::links::{GRAZING, Links};
 use super::patches::Patch;
 use super::samples::{FEW, MANY, Samples};
 use super::spread::Spread;
+use super::transfer::{BIN_BITS, Transfer};
 use super::workers::Workers;
 use glam::{Vec3, Vec4};
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Bits of a bin in [`Transfer::bins`].
-const BIN_BITS: u32 = 10;
 /// Solid angles of a sender, in bins, above which it has 4, 16, 64 and 256 samples: four in each bin or more. With fewer, a
 /// bin has none of them or several; behind surfaces near each other such noise grows.
 const WIDE: [f32; 4] = [0.05, 0.7, 4.0, 16.0];
-
-/// Light from one bin of a sender.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C)]
-pub struct Transfer {
-    /// Element that it comes from.
-    pub sender: u32,
-    /// The bin, and above its ten bits the width that it is spread by.
-    pub bins: u32,
-    /// Incident radiance per exitant intensity, 1 / square scene units.
-    pub factor: f32,
-}
-
-impl Transfer {
-    /// The bin.
-    pub fn bin(&self) -> usize {
-        (self.bins & ((1 << BIN_BITS) - 1)) as usize
-    }
-
-    /// Index of the width in [`Spread`].
-    pub fn width(&self) -> usize {
-        (self.bins >> BIN_BITS) as usize
-    }
-}
 
 /// How the light of a sender that is wider than a bin comes to several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

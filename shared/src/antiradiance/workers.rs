@@ -1,6 +1,6 @@
 //! Who does the work: one thread, or those that a caller brings.
 
-use super::transfers::Transfer;
+use super::transfer::Transfer;
 use glam::Vec3;
 
 /// Runs independent pieces of work. The result does not depend on their order.

@@ -17,8 +17,7 @@ use crate::transport::radiosity::{FixedSolution, GatherCount, GroupSource, linke
 use crate::transport::sources::SourceSettings;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::antiradiance::transfers::Transfer;
-use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Workers};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Transfer, Workers};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Share of the mean bounced irradiance that is negligible.
