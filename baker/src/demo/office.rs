@@ -1,5 +1,5 @@
 //! An office after Fig. 14 of Dachsbacher et al. 2007: the sun comes through a window and lights a part of the opposite
-//! wall; desks, chairs and shelves have indirect light alone. Metres.
+//! wall; desks, chairs and shelves have hardly any light but what bounced. Metres.
 
 use super::{block, camera, matt};
 use crate::random::Stream;
