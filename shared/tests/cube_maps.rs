@@ -69,7 +69,7 @@ fn texels_become_points_where_they_see_something() {
     let maps = seen().cube_maps;
     assert!(maps.point(0).is_none());
     let cube = maps.cube();
-    for i in 1..cube.len() {
+    for i in 1..cube.texels() {
         let (point, distance) = (maps.point(i).unwrap(), maps.texels[i].distance(&maps.layout));
         let place = maps.place(0) + distance * cube.direction(i);
         assert!(point.position().distance(place) < 1e-6 && point.normal().dot(Vec3::Y) > 0.999);

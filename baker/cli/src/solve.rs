@@ -2,7 +2,7 @@
 
 use super::load::{note, warn};
 use super::picture::{read_environment, set_threads};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, FixedSolver, SolveReport, SolveSettings, solve};
 use rebounce::io::files::Disk;
@@ -174,6 +174,15 @@ fn convergence(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> Result<()> {
+    if args.solver == SolverName::Antiradiance
+        && args.iteration == IterationName::Ordered
+        && args.spreading == SpreadingName::Gaussian
+    {
+        bail!(
+            "--spreading gaussian goes from bin to bin, and --iteration ordered sweeps each bin by itself: add \
+             --iteration symmetric, or leave --spreading out"
+        );
+    }
     let output = output_of(&args.scene, args.output.as_deref());
     check_paths(&DiskPlaces, &args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
     set_threads(args.threads)?;

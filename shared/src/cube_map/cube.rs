@@ -46,7 +46,7 @@ fn place(direction: Vec3) -> (usize, Vec2) {
 
 impl Cube {
     /// Number of texels.
-    pub fn len(self) -> usize {
+    pub fn texels(self) -> usize {
         6 * self.side * self.side
     }
 
@@ -105,7 +105,7 @@ mod tests {
     fn texels_are_found_in_their_directions_and_cover_the_sphere() {
         let cube = Cube { side: 16 };
         let mut whole = 0.0;
-        for texel in 0..cube.len() {
+        for texel in 0..cube.texels() {
             let direction = cube.direction(texel);
             assert_eq!(cube.nearest(direction), texel);
             let (own, weight) = cube.around(direction)[0];

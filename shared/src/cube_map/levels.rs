@@ -15,7 +15,7 @@ impl Levels {
         let mut levels = vec![(cube, texels)];
         while let Some((fine, texels)) = levels.last().filter(|(cube, _)| cube.side > 1) {
             let coarse = Cube { side: fine.side / 2 };
-            let mut sums = vec![(Vec4::ZERO, 0.0f32); coarse.len()];
+            let mut sums = vec![(Vec4::ZERO, 0.0f32); coarse.texels()];
             for (i, texel) in texels.iter().enumerate() {
                 let direction = fine.direction(i);
                 let (sum, whole) = &mut sums[coarse.nearest(direction)];
@@ -52,7 +52,7 @@ mod tests {
     fn an_even_cube_is_even_at_every_width() {
         let cube = Cube { side: 16 };
         let value = Vec4::new(0.5, 1.0, 2.0, 0.75);
-        let levels = Levels::new(cube, vec![value; cube.len()]);
+        let levels = Levels::new(cube, vec![value; cube.texels()]);
         let texels: usize = levels.levels.iter().map(|(_, texels)| texels.len()).sum();
         assert_eq!(texels, 6 * (256 + 64 + 16 + 4 + 1));
         let mut stream = Stream::new(1, 5);
@@ -66,7 +66,7 @@ mod tests {
     fn wide_levels_keep_the_light_of_the_sphere() {
         let cube = Cube { side: 32 };
         let of = |i: usize| Vec4::splat(cube.direction(i).x.max(0.0));
-        let levels = Levels::new(cube, (0..cube.len()).map(of).collect());
+        let levels = Levels::new(cube, (0..cube.texels()).map(of).collect());
         let (coarsest, texels) = levels.levels.last().unwrap();
         let mean: f32 = (0..6).map(|i| texels[i].x * coarsest.solid_angle(coarsest.direction(i))).sum();
         let whole: f32 = (0..6).map(|i| coarsest.solid_angle(coarsest.direction(i))).sum();

@@ -152,7 +152,7 @@ mod tests {
     /// Distances within a sphere about the map's place.
     fn sphere(radius: f32, side: usize) -> Distances {
         let cube = Cube { side };
-        Distances { cube, texels: vec![radius; cube.len()] }
+        Distances { cube, texels: vec![radius; cube.texels()] }
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
         // A disk before the sky: what is behind it is not known.
         let cube = Cube { side: 64 };
         let of = |i: usize| if cube.direction(i).x > 0.9 { 1.0 } else { f32::INFINITY };
-        let distances = Distances { cube, texels: (0..cube.len()).map(of).collect() };
+        let distances = Distances { cube, texels: (0..cube.texels()).map(of).collect() };
         let behind = distances.follow(Vec3::new(2.0, -3.0, 0.0), Vec3::Y, &mut 0);
         assert!(!behind.is_sure);
         let before = distances.follow(Vec3::new(0.5, -3.0, 0.0), Vec3::Y, &mut 0);

@@ -10,11 +10,14 @@ pub mod levels;
 pub mod march;
 
 use crate::elementary::Elementary;
+use crate::footprint;
 use crate::ggx::alpha;
 use crate::gloss::Arriving;
 use crate::harmonics::zonal::of_mean_length;
 use crate::harmonics::{band, evaluate};
-use crate::rbn::cube_maps::CubeMaps;
+use crate::octahedral::pack_snorm16;
+use crate::rbn::bulk::Point;
+use crate::rbn::cube_maps::{CubeMaps, CubeTexel};
 use cube::Cube;
 use glam::{Vec3, Vec4};
 use march::Distances;
@@ -30,11 +33,27 @@ impl CubeMaps {
         Vec3::from(self.layout.places[map])
     }
 
+    /// Texel `i` of all as a point that direct light is sampled at: a footprint as wide as the texel, with a single sample.
+    /// `None` where nothing is seen.
+    pub fn point(&self, i: usize) -> Option<Point> {
+        let cube = self.cube();
+        let texel = self.texels[i];
+        let distance = texel.distance(&self.layout);
+        let way = cube.direction(i % cube.texels());
+        distance.is_finite().then(|| Point {
+            position: (self.place(i / cube.texels()) + distance * way).to_array(),
+            radius: distance * cube.angle() / footprint::RADIUS,
+            normal: pack_snorm16(texel.normal()),
+            cuts: Point::pack_cuts(0, 0, 1),
+            tint: 0,
+        })
+    }
+
     /// What a map sees: distances by texel.
     pub fn distances(&self, map: usize) -> Distances {
         let cube = self.cube();
-        let texels = &self.texels[map * cube.len()..(map + 1) * cube.len()];
-        let distance = |texel: &crate::rbn::cube_maps::CubeTexel| texel.distance(&self.layout);
+        let texels = &self.texels[map * cube.texels()..(map + 1) * cube.texels()];
+        let distance = |texel: &CubeTexel| texel.distance(&self.layout);
         Distances { cube, texels: texels.iter().map(distance).collect() }
     }
 }

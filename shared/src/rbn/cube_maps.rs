@@ -20,9 +20,7 @@ use super::codec::columns::{Columns, Kind};
 use super::limits::{all_sane, sane};
 use super::{RbnError, small};
 use crate::elementary::Elementary;
-use crate::footprint;
-use crate::octahedral::{decode as from_octahedron, encode as onto_octahedron, pack_snorm16};
-use crate::rbn::bulk::Point;
+use crate::octahedral::{decode as from_octahedron, encode as onto_octahedron};
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -160,22 +158,6 @@ impl CubeMaps {
     pub fn is_empty(&self) -> bool {
         self.texels.is_empty()
     }
-
-    /// Texel `i` of all as a point that direct light is sampled at: a footprint as wide as the texel, with a single sample.
-    /// `None` where nothing is seen.
-    pub fn point(&self, i: usize) -> Option<Point> {
-        let cube = self.cube();
-        let texel = self.texels[i];
-        let distance = texel.distance(&self.layout);
-        let way = cube.direction(i % cube.len());
-        distance.is_finite().then(|| Point {
-            position: (self.place(i / cube.len()) + distance * way).to_array(),
-            radius: distance * cube.angle() / footprint::RADIUS,
-            normal: pack_snorm16(texel.normal()),
-            cuts: Point::pack_cuts(0, 0, 1),
-            tint: 0,
-        })
-    }
 }
 
 /// Encodes section `CMLY`.
@@ -215,7 +197,7 @@ pub(crate) fn check(maps: &CubeMaps, [links, emitters, groups]: [usize; 3]) -> R
     if !(*near > 0.0 && near <= far && sane(*far)) {
         return Err(RbnError::invalid("CMLY", "distances"));
     }
-    if maps.texels.len() != places.len() * maps.cube().len() {
+    if maps.texels.len() != places.len() * 6 * (*side as usize).pow(2) {
         return Err(RbnError::invalid("CMTX", "it does not fit the maps"));
     }
     let fits = |texel: &CubeTexel| {

@@ -45,7 +45,7 @@ pub fn cube_maps<S: Surfaces + ?Sized>(
         surfaces.cast(&ray, texel as u32)
     };
     let rays: Vec<_> =
-        places.iter().flat_map(|place| (0..cube.len()).map(move |texel| (*place, texel))).collect();
+        places.iter().flat_map(|place| (0..cube.texels()).map(move |texel| (*place, texel))).collect();
     let hits: Vec<Option<Hit>> = rays.into_par_iter().map(cast).collect();
     let seen = hits.iter().flatten().map(|hit| hit.distance.max(f32::MIN_POSITIVE));
     let [near, far] = seen.fold([f32::INFINITY, 0.0], |[near, far]: [f32; 2], d| [near.min(d), far.max(d)]);

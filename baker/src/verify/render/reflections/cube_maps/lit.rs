@@ -56,7 +56,7 @@ impl CubeMaps {
             let around = texel.metal().and_then(|roughness| {
                 let at =
                     reflections.at_place(&relit.lighting, &relit.basis, position, normal, texel.group())?;
-                let way = cube.direction(i % cube.len());
+                let way = cube.direction(i % cube.texels());
                 Some(metal_in_map(&at.arriving, way, normal, roughness, |direction, solid_angle| {
                     at.sky(direction, solid_angle)
                 }))
@@ -67,7 +67,7 @@ impl CubeMaps {
             (texel.reflectance() * (around + lamps * FRAC_1_PI) + shining).extend(1.0)
         };
         let lit = |map: usize| {
-            let texels = map * cube.len()..(map + 1) * cube.len();
+            let texels = map * cube.texels()..(map + 1) * cube.texels();
             LitCubeMap::new(maps, map, texels.into_par_iter().map(radiance).collect())
         };
         Self { lookup, maps: (0..maps.layout.places.len()).map(lit).collect() }

@@ -55,11 +55,11 @@ mod tests {
         let cube = Cube { side: 32 };
         let room = ParallaxBox { low: Vec3::new(-1.0, -0.5, -2.0), high: Vec3::new(3.0, 1.0, 1.5) };
         let distance = |i: usize| room.meet(Vec3::ZERO, cube.direction(i)).from_map;
-        let distances = Distances { cube, texels: (0..cube.len()).map(distance).collect() };
+        let distances = Distances { cube, texels: (0..cube.texels()).map(distance).collect() };
         // Each side is the median of its face where it fills half of it.
         let square = ParallaxBox { low: Vec3::splat(-1.0), high: Vec3::splat(1.0) };
         let of = |i: usize| square.meet(Vec3::ZERO, cube.direction(i)).from_map;
-        let fitted = ParallaxBox::fitted(&Distances { cube, texels: (0..cube.len()).map(of).collect() });
+        let fitted = ParallaxBox::fitted(&Distances { cube, texels: (0..cube.texels()).map(of).collect() });
         assert!(fitted.low.distance(square.low) < 1e-4 && fitted.high.distance(square.high) < 1e-4);
         let mut stream = Stream::new(7, 0);
         for _ in 0..200 {

@@ -24,7 +24,7 @@ fn map(side: usize) -> LitCubeMap {
         };
         (CubeTexel::pack(&layout, &surface), colour(hit.position).extend(1.0))
     };
-    let (texels, light): (Vec<_>, Vec<_>) = (0..cube.len()).map(seen).unzip();
+    let (texels, light): (Vec<_>, Vec<_>) = (0..cube.texels()).map(seen).unzip();
     LitCubeMap::new(&rebounce_shared::rbn::cube_maps::CubeMaps { layout, texels }, 0, light)
 }
 
