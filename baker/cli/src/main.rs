@@ -48,7 +48,7 @@ enum Command {
     /// Takes a picture of a baked scene on the CPU
     Render(render::RenderArgs),
     /// Takes a picture of a scene with a brute-force path tracer, to compare with
-    Reference(reference::ReferenceArgs),
+    Reference(Box<reference::ReferenceArgs>),
     /// Says how far a picture is from its reference
     Compare(compare::CompareArgs),
     /// Writes a .glb file with the light in a texture or in vertex colours, for other engines
