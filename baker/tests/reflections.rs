@@ -29,7 +29,7 @@ fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
     let lighting = Lighting { emission: vec![Vec3::ONE; file.sources.groups.len()], ..Lighting::default() };
     let exposure = Exposure { size: [24, 24], samples: 4, seed: 1 };
     let view = ReflectionView { frame: scene.cameras[0].frame(file.meta.origin), size: exposure.size };
-    let by = |correction| Way::CubeMaps(MAPS, CubeMapLookup { correction, with_transfer: false });
+    let by = |correction| Way::CubeMaps(MAPS, CubeMapLookup { correction, ..CubeMapLookup::default() });
     let corrections = [Correction::Depth, Correction::MiddleDepth, Correction::Box, Correction::None];
     let mut ways =
         vec![Way::Baked, Way::Transfer, Way::Rays, Way::Screen(view, None), Way::Screen(view, Some(MAPS))];

@@ -71,14 +71,14 @@ enum ReflectionsArg {
 impl ReflectionsArg {
     fn way(self, (count, side): (usize, usize), view: ReflectionView) -> Way {
         let maps = CubeMapSettings { count, side, ..CubeMapSettings::default() };
-        let by = |correction| Way::CubeMaps(maps, CubeMapLookup { correction, with_transfer: false });
+        let by = |correction| Way::CubeMaps(maps, CubeMapLookup { correction, ..CubeMapLookup::default() });
         match self {
             Self::Baked => Way::Baked,
             Self::Transfer => Way::Transfer,
             Self::Rays => Way::Rays,
             Self::CubeMaps => by(Correction::Depth),
             Self::CubeMapsTransfer => {
-                Way::CubeMaps(maps, CubeMapLookup { correction: Correction::Depth, with_transfer: true })
+                Way::CubeMaps(maps, CubeMapLookup { with_transfer: true, ..CubeMapLookup::default() })
             }
             Self::CubeMapsMiddle => by(Correction::MiddleDepth),
             Self::Boxes => by(Correction::Box),

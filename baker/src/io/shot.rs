@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn what_would_be_passed_over_is_refused_and_all_that_can_be_written_is_known() {
-        let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},"emission":0.5,"gloss":true,
+        let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},"emission":0.5,"gloss":true,"animation":"walk","time":0.5,
             "lights":[{"type":"point","name":"Lamp","position":[0,0,0],"intensity":1,"color":[1,1,1],"radius":0.1},
             {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1],"radius":0.1},
             {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1],"radius_deg":0.27},
@@ -241,6 +241,7 @@ mod tests {
         assert_eq!(parse(&format!("{{{camera}}}")), Ok(()));
         for (json, word) in [
             (format!(r#"{{{camera},"size":[0,5]}}"#), "size"),
+            (format!(r#"{{{camera},"time":-1}}"#), "time"),
             (r#"{"camera":{"position":[0,0,0],"target":[0,0,0]}}"#.into(), "same"),
             (format!(r#"{{{camera},"move":{{"door":{{"rotation":[0,0,0,0]}}}}}}"#), "door"),
             (format!(r#"{{{camera},"move":{{"door":{{"turn":1}}}}}}"#), "turn"),

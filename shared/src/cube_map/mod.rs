@@ -58,6 +58,15 @@ impl CubeMaps {
     }
 }
 
+/// Angles between texels that the lobe of the smoothest metal is wide, as its α.
+const LOBE_TEXELS: f32 = 1.25;
+
+/// Least roughness of metals that reflect maps of these texels. Mirrors would show the texels, and ragged edges where the ray
+/// in the middle of the lobe passes an edge: they reflect by the transfer, which is smooth.
+pub fn least_roughness(cube: Cube) -> f32 {
+    (LOBE_TEXELS * cube.angle()).sqrt()
+}
+
 /// Radiance that a white metal, seen in a map along a ray in direction `way`, reflects of what arrives by the
 /// [glossy transfer](crate::gloss), `arriving`: its lobe is a von Mises-Fisher lobe about the mirrored direction, as wide as GGX's
 /// where it is seen head on (Wang et al., *All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance*, 2009: the

@@ -38,7 +38,7 @@ struct Reflecting {
     maps: u32,
     map_side: f32,
     map_unit: f32,
-    pad: u32,
+    map_roughness: f32,
 }
 
 /// Distant light as surfaces reflect it.
@@ -195,7 +195,7 @@ impl ReflectionsPass {
             maps: scene.cube_maps.as_ref().map_or(0, |maps| maps.count),
             map_side: scene.cube_maps.as_ref().map_or(1.0, |maps| maps.side as f32),
             map_unit: light.map_unit,
-            pad: 0,
+            map_roughness: scene.cube_maps.as_ref().map_or(0.0, |maps| maps.least_roughness),
         };
         gpu.queue.write_buffer(&target.uniform, 0, bytemuck::bytes_of(&reflecting));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

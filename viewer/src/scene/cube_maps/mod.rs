@@ -16,6 +16,7 @@ use crate::gpu::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::cube_map::least_roughness;
 use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rbn::cube_maps::CubeMaps;
 use rows::FUNCTIONS;
@@ -85,6 +86,8 @@ pub struct GpuCubeMaps {
     pub count: u32,
     /// Texels along an edge of a face.
     pub side: u32,
+    /// Roughness of the smoothest metals that reflect them.
+    pub least_roughness: f32,
     /// What pictures read.
     pub textures: CubeMapTextures,
     /// Light of lamps at what the texels see.
@@ -192,6 +195,7 @@ impl GpuCubeMaps {
         Some(Self {
             count,
             side,
+            least_roughness: least_roughness(maps.cube()),
             textures: CubeMapTextures { places, distances: as_cubes(&far), radiance: as_cubes(&lit) },
             direct: DirectElsewhere::new(&own, pipelines, relight, &points),
             texels,

@@ -21,6 +21,8 @@ struct Reflecting {
     maps: u32,
     map_side: f32,
     map_unit: f32,
+    // Roughness under which metals reflect by the transfer.
+    map_roughness: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -110,7 +112,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if material.unlit > 0.0 || !shines || surface.look.roughness >= limit {
         return vec4f(0.0);
     }
-    let by_maps = is_metal && reflecting.maps > 0u;
+    let by_maps = is_metal && reflecting.maps > 0u && surface.look.roughness >= reflecting.map_roughness;
     var arrives: Arrives;
     if !by_maps {
         arrives = arrives_at(pixel);

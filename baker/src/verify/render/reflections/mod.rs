@@ -172,7 +172,12 @@ impl Reflections {
         stream: &mut Stream,
     ) -> Option<Vec3> {
         let (lighting, basis) = (&relit.lighting, &relit.basis);
-        if matches!(self.source, ReflectionSource::Transfer) {
+        let by_transfer = match &self.source {
+            ReflectionSource::Transfer => true,
+            ReflectionSource::CubeMaps(maps) => !maps.reflects(hit.gloss.roughness),
+            _ => false,
+        };
+        if by_transfer {
             return self.by_transfer(lighting, basis, hit, direction);
         }
         let maps = self.cube_maps();

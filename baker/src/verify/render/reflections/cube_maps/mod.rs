@@ -16,6 +16,7 @@ use super::cost::Cost;
 use crate::geometry::Hit;
 use glam::Vec3;
 use lit::LitCubeMap;
+use rebounce_shared::cube_map::least_roughness;
 use rebounce_shared::cube_map::march::RayEnd;
 use rebounce_shared::rbn::cube_maps::CubeTexel;
 use room::ParallaxBox;
@@ -46,11 +47,14 @@ pub struct CubeMapLookup {
     pub correction: Correction,
     /// Whether samples of which no map is sure are the glossy transfer's.
     pub with_transfer: bool,
+    /// Whether metals of less than the [least roughness](least_roughness) reflect by the transfer.
+    pub only_rough: bool,
 }
 
 impl CubeMapLookup {
     /// As pages do.
-    pub const PAGE: Self = Self { correction: Correction::MiddleDepth, with_transfer: false };
+    pub const PAGE: Self =
+        Self { correction: Correction::MiddleDepth, with_transfer: false, only_rough: true };
 }
 
 /// Cube maps of a scene under the lights of a picture.
@@ -60,6 +64,12 @@ pub struct CubeMaps {
 }
 
 impl CubeMaps {
+    /// Whether a metal of this roughness reflects the maps.
+    pub(super) fn reflects(&self, roughness: f32) -> bool {
+        let cube = self.maps.first().map(|map| map.distances.cube);
+        !self.lookup.only_rough || cube.is_some_and(|cube| roughness >= least_roughness(cube))
+    }
+
     /// Whether some samples are the transfer's.
     pub(super) fn needs_transfer(&self) -> bool {
         self.lookup.with_transfer
