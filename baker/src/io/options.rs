@@ -39,7 +39,7 @@ impl LoadOptions {
     /// Refuses a pose for a file that has no animations.
     ///
     /// # Errors
-    /// [`SceneError::NoAnimation`].
+    /// [`SceneError::NoAnimation`](crate::scene::SceneError::NoAnimation).
     #[cfg(any(feature = "step", feature = "demo-scenes"))]
     pub(super) fn at_rest(&self, file: &str) -> Result<(), crate::scene::SceneError> {
         let Some(pose) = &self.pose else { return Ok(()) };

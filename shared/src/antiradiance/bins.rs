@@ -11,7 +11,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Least and greatest number of bins.
 pub const LEAST_BINS: usize = 64;
-/// See [`LEAST_BINS`]; a bin is ten bits of a [transfer](super::transfers::Transfer).
+/// See [`LEAST_BINS`]; a bin is ten bits of a [transfer](super::transfer::Transfer).
 pub const MOST_BINS: usize = 1024;
 /// Numbers of bins are multiples of this.
 pub const STEP: usize = 8;

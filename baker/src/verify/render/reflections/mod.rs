@@ -30,7 +30,7 @@ use screen::Screen;
 /// Where the light of a lobe's directions comes from.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Way {
-    /// As pages do: the [cube maps](cube_maps) of the file, or the transfer in files without.
+    /// As pages do: the [cube maps](mod@cube_maps) of the file, or the transfer in files without.
     #[default]
     Baked,
     /// What arrives at the points by [glossy transfer](rebounce_shared::gloss): harmonics, and the environment through its
@@ -38,7 +38,7 @@ pub enum Way {
     Transfer,
     /// A ray cast for each sample of the lobe: the least error that other ways can have.
     Rays,
-    /// [Cube maps](cube_maps) made for the picture.
+    /// [Cube maps](mod@cube_maps) made for the picture.
     CubeMaps(CubeMapSettings, CubeMapLookup),
     /// Rays in the picture. What they do not find comes from cube maps, or from the transfer.
     Screen(ReflectionView, Option<CubeMapSettings>),
