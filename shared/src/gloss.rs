@@ -18,7 +18,7 @@
 //! sender times its amount, as a lobe about its direction, and once more about the direction mirrored at the tangent plane.
 
 use crate::baked::BakedScene;
-use crate::environment::reflection::ReflectedSky;
+use crate::environment::reflection::{ReflectedSky, of_skies};
 use crate::footprint::tangents;
 use crate::ggx::{LOBE_SAMPLES, alpha, multiple_scattering, shifted_lobe};
 use crate::harmonics::zonal::of_mean_length;
@@ -283,7 +283,7 @@ impl GlossyField {
     ) -> Vec3 {
         let y = evaluate(direction);
         let low: Vec4 = y.iter().zip(arriving).map(|(y, c)| *c * *y).sum();
-        let seen: Vec3 = skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum();
+        let seen = of_skies(skies, direction, solid_angle);
         let smooth = self.smooth.as_ref().map(|sky| value(sky, direction)).unwrap_or_default();
         let visibility = low.w.clamp(0.0, 1.0);
         (low.truncate() + (seen - smooth) * visibility).max(Vec3::ZERO)

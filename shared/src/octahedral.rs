@@ -50,6 +50,22 @@ pub fn unpack_snorm16(bits: u32) -> Vec3 {
     decode(Vec2::new(value(bits), value(bits >> 16)))
 }
 
+/// Code of a coordinate of 0 in [`pack_bytes`], and codes to that of 1.
+const MIDDLE: f32 = 127.0;
+
+/// A unit vector in two bytes, x in the low one: 127 for 0 and 254 for 1. Directions along the axes stay exact. Error at most
+/// 0.9 degrees.
+pub fn pack_bytes(v: Vec3) -> u32 {
+    let p = (encode(v) * MIDDLE + MIDDLE).round();
+    p.x as u8 as u32 | (p.y as u8 as u32) << 8
+}
+
+/// The inverse of [`pack_bytes`]; higher bits do not count.
+pub fn unpack_bytes(bits: u32) -> Vec3 {
+    let value = |b: u32| ((b & 255) as f32 / MIDDLE - 1.0).min(1.0);
+    decode(Vec2::new(value(bits), value(bits >> 8)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

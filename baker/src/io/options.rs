@@ -46,10 +46,14 @@ impl LoadOptions {
         Err(crate::scene::SceneError::NoAnimation {
             file: file.to_owned(),
             wanted: pose.animation.clone().unwrap_or_default(),
-            advice: "it has none: leave out the animation and its time".to_owned(),
+            advice: NO_ANIMATIONS.to_owned(),
         })
     }
 }
+
+/// Advice for a pose of a file without animations.
+#[cfg(any(feature = "gltf", feature = "step", feature = "demo-scenes"))]
+pub(super) const NO_ANIMATIONS: &str = "it has none: leave out the animation and its time";
 
 /// Note for an unused albedo for meshes without a material.
 #[cfg(any(feature = "gltf", feature = "demo-scenes"))]

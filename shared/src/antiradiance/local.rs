@@ -17,26 +17,31 @@ pub struct LocalPatch<'a> {
 }
 
 impl LocalPatch<'_> {
-    /// Irradiance from the incident radiance of all bins: the shading integral, without the BRDF of a matt surface.
-    pub fn irradiance(&self, incident: &[Vec3]) -> Vec3 {
+    /// Irradiance from the incident radiance by bin: the shading integral, without the BRDF of a matt surface.
+    pub fn irradiance(&self, incident: impl Iterator<Item = Vec3>) -> Vec3 {
         let sine = self.bins.sine();
         let mut sum = Vec3::ZERO;
-        for (light, way) in incident.iter().zip(&self.bins.directions) {
+        for (light, way) in incident.zip(&self.bins.directions) {
             let cosine = self.patch.normal.dot(*way);
             if cosine < sine {
-                sum += BinCosines::new(cosine, sine).arriving() * *light;
+                sum += BinCosines::new(cosine, sine).arriving() * light;
             }
         }
         self.normalisation * self.bins.solid_angle() * sum
     }
 
-    /// Writes the exitant intensity I_L − I_A: that of a radiance to the front, and of what has come from the front.
+    /// Writes the exitant [intensity](exitant) of all bins.
     pub fn exitant(&self, radiance: Vec3, incident: &[Vec3], out: &mut [Vec3]) {
         let sine = self.bins.sine();
         let area = self.normalisation * self.patch.area();
         for ((out, light), way) in out.iter_mut().zip(incident).zip(&self.bins.directions) {
-            let cosines = BinCosines::new(self.patch.normal.dot(*way), sine);
-            *out = area * (cosines.front * radiance - cosines.arriving() * *light);
+            *out = exitant(area, BinCosines::new(self.patch.normal.dot(*way), sine), radiance, *light);
         }
     }
+}
+
+/// Exitant intensity I_L − I_A of a bin: that of a radiance to the front, and of what has come from the front. `area` is the
+/// patch's times its normalisation.
+pub fn exitant(area: f32, cosines: BinCosines, radiance: Vec3, incident: Vec3) -> Vec3 {
+    area * (cosines.front * radiance - cosines.arriving() * incident)
 }

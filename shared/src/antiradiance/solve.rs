@@ -3,7 +3,6 @@
 use super::bins::Bins;
 use super::hierarchy::Hierarchy;
 use super::links::Links;
-use super::local::LocalPatch;
 use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};
@@ -12,6 +11,7 @@ use super::transport::{global_pass, pull, push};
 use super::workers::Workers;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
+use std::sync::OnceLock;
 
 /// Order of radiance and antiradiance steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -116,6 +116,8 @@ pub struct AntiradianceSolver<'a> {
     pub spread: Spread,
     /// By patch.
     pub normalisations: Vec<f32>,
+    /// Links in the order of sweeps; made for the first ordered solution.
+    ordered: OnceLock<Sweep>,
 }
 
 impl<'a> AntiradianceSolver<'a> {
@@ -128,7 +130,8 @@ impl<'a> AntiradianceSolver<'a> {
         let transfers = Transfers::new(&exchange, &links, workers);
         let normalisations = exchange.normalisations;
         let spread = Spread::new(&bins);
-        Self { patches, hierarchy, bins, links: links.count(), transfers, spread, normalisations }
+        let (links, ordered) = (links.count(), OnceLock::new());
+        Self { patches, hierarchy, bins, links, transfers, spread, normalisations, ordered }
     }
 
     /// Irradiance of the patches that bounced from others, for the `direct` irradiance of each. The direct light makes no
@@ -141,14 +144,14 @@ impl<'a> AntiradianceSolver<'a> {
         observer: &mut dyn Observer,
     ) -> (Vec<Vec3>, AntiradianceFigures) {
         let ordered = (settings.iteration == Iteration::Ordered)
-            .then(|| Sweep::new(&self.sweep_scene(), &self.transfers));
+            .then(|| self.ordered.get_or_init(|| Sweep::new(&self.sweep_scene(), &self.transfers)));
         let mut state = self.state(direct, ordered.is_some(), workers);
         let mut figures = AntiradianceFigures::default();
         let mut reflected: Option<Vec<Vec3>> = None;
         for step in 0..settings.iterations {
             let before = state.irradiance.clone();
             let reflects = settings.iteration.reflects(step);
-            match &ordered {
+            match ordered {
                 Some(sweep) => self.sweep(sweep, &mut state, direct, workers, observer),
                 None => self.step(&mut state, direct, reflects, workers, observer),
             }
@@ -236,10 +239,10 @@ impl<'a> AntiradianceSolver<'a> {
         observer.passed(Pass::Global);
         push(self.patches, &self.hierarchy, &self.bins, incident, workers);
         observer.passed(Pass::Push);
-        let incident = &*incident;
+        let (scene, incident) = (self.sweep_scene(), &*incident);
         workers.rows(irradiance, 1, &|patch, out| {
             let row = &incident[self.hierarchy.element_of[patch] as usize * bins..][..bins];
-            out[0] = self.local(patch).irradiance(row);
+            out[0] = scene.local(patch).irradiance(row.iter().copied());
         });
         if reflects {
             self.reflect(state, direct);
@@ -261,24 +264,17 @@ impl<'a> AntiradianceSolver<'a> {
     fn leave(&self, state: &mut State, workers: &dyn Workers, observer: &mut dyn Observer) {
         let bins = self.bins.count();
         let State { incident, exitant, radiance, .. } = state;
+        let scene = self.sweep_scene();
         workers.rows(exitant, bins, &|element, row| {
             let own = &self.hierarchy.elements[element];
             if own.is_patch() {
                 let patch = own.first as usize;
-                self.local(patch).exitant(radiance[patch], &incident[element * bins..][..bins], row);
+                scene.local(patch).exitant(radiance[patch], &incident[element * bins..][..bins], row);
             }
         });
         observer.passed(Pass::Local);
         pull(&self.hierarchy, bins, exitant, workers);
         observer.passed(Pass::Pull);
-    }
-
-    fn local(&self, patch: usize) -> LocalPatch<'_> {
-        LocalPatch {
-            patch: &self.patches[patch],
-            normalisation: self.normalisations[patch],
-            bins: &self.bins,
-        }
     }
 }
 

@@ -11,6 +11,7 @@
 use super::bins::Bins;
 use super::cosines::BinCosines;
 use super::hierarchy::{Element, Hierarchy, NONE};
+use super::local::{LocalPatch, exitant};
 use super::patches::Patch;
 use super::transfers::Transfers;
 use super::workers::Workers;
@@ -40,6 +41,13 @@ pub struct SweepScene<'a> {
     pub bins: &'a Bins,
     /// By patch: see [`normalisation`](super::cosines::normalisation).
     pub normalisations: &'a [f32],
+}
+
+impl<'a> SweepScene<'a> {
+    /// A patch, for the local pass.
+    pub fn local(&self, patch: usize) -> LocalPatch<'a> {
+        LocalPatch { patch: &self.patches[patch], normalisation: self.normalisations[patch], bins: self.bins }
+    }
 }
 
 impl Sweep {
@@ -78,19 +86,18 @@ impl Sweep {
     pub fn run(&self, scene: &SweepScene<'_>, radiance: &[Vec3], table: &mut [Vec3], workers: &dyn Workers) {
         let elements = &scene.hierarchy.elements;
         workers.rows(table, 2 * elements.len(), &|bin, row| {
-            let (exitant, incident) = row.split_at_mut(elements.len());
+            let (leaving, incident) = row.split_at_mut(elements.len());
             let (way, sine) = (scene.bins.directions[bin], scene.bins.sine());
             let intensity = |element: &Element, incident: Vec3| {
                 let patch = element.first as usize;
                 let cosines = BinCosines::new(element.normal.dot(way), sine);
-                let area = scene.normalisations[patch] * element.area;
-                area * (cosines.front * radiance[patch] - cosines.arriving() * incident)
+                exitant(scene.normalisations[patch] * element.area, cosines, radiance[patch], incident)
             };
             for (i, element) in elements.iter().enumerate().rev() {
-                exitant[i] = if element.is_patch() {
+                leaving[i] = if element.is_patch() {
                     intensity(element, incident[i])
                 } else {
-                    exitant[element.children()].iter().sum()
+                    leaving[element.children()].iter().sum()
                 };
             }
             for receiver in &self.order[bin * elements.len()..][..elements.len()] {
@@ -98,7 +105,7 @@ impl Sweep {
                 let cell = bin * elements.len() + receiver;
                 let own = self.offsets[cell] as usize..self.offsets[cell + 1] as usize;
                 let links = self.senders[own.clone()].iter().zip(&self.factors[own]);
-                let mut light: Vec3 = links.map(|(sender, factor)| *factor * exitant[*sender as usize]).sum();
+                let mut light: Vec3 = links.map(|(sender, factor)| *factor * leaving[*sender as usize]).sum();
                 let element = &elements[receiver];
                 if element.parent != NONE {
                     let share = if element.is_patch() {
@@ -110,10 +117,10 @@ impl Sweep {
                 }
                 incident[receiver] = light;
                 if element.is_patch() {
-                    let change = intensity(element, light) - exitant[receiver];
+                    let change = intensity(element, light) - leaving[receiver];
                     let mut at = receiver as u32;
                     while at != NONE {
-                        exitant[at as usize] += change;
+                        leaving[at as usize] += change;
                         at = elements[at as usize].parent;
                     }
                 }
@@ -128,18 +135,11 @@ impl Sweep {
         irradiance: &mut [Vec3],
         workers: &dyn Workers,
     ) {
-        let (count, sine) = (scene.hierarchy.elements.len(), scene.bins.sine());
+        let count = scene.hierarchy.elements.len();
         workers.rows(irradiance, 1, &|patch, out| {
             let element = scene.hierarchy.element_of[patch] as usize;
-            let normal = scene.patches[patch].normal;
-            let mut sum = Vec3::ZERO;
-            for (bin, way) in scene.bins.directions.iter().enumerate() {
-                let cosine = normal.dot(*way);
-                if cosine < sine {
-                    sum += BinCosines::new(cosine, sine).arriving() * table[(2 * bin + 1) * count + element];
-                }
-            }
-            out[0] = scene.normalisations[patch] * scene.bins.solid_angle() * sum;
+            let incident = (0..scene.bins.count()).map(|bin| table[(2 * bin + 1) * count + element]);
+            out[0] = scene.local(patch).irradiance(incident);
         });
     }
 }

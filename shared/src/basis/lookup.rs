@@ -6,8 +6,8 @@
 
 use super::Functions;
 use crate::interpolation::MAX_POINTS;
-use crate::kernel::SQUASH;
-use crate::rbn::bulk::Point;
+use crate::kernel::{LEAST_WEIGHT, SQUASH, weight};
+use crate::rbn::bulk::{Cut, Point};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
 
@@ -87,6 +87,32 @@ impl Lookup {
         let cell = (position * f32::from_bits(self.words[head])).floor().as_ivec3();
         let bucket = (self.words[head + 1] + (hash(cell, group) & self.words[head + 2])) as usize;
         bytemuck::cast_slice(&self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize])
+    }
+
+    /// Returns the functions that cover a place of a reconstruction group, with their weights: those of the finest of the
+    /// first `levels` levels that has any there; as find.wgsl. `points` are all functions of these levels, with their `cuts`.
+    pub fn covering(
+        &self,
+        levels: usize,
+        (points, cuts): (&[Point], &[Cut]),
+        (position, normal): (Vec3, Vec3),
+        group: u32,
+    ) -> Vec<(u32, f32)> {
+        for level in (0..levels).rev() {
+            let entries = self.entries(level, position, group).iter().filter(|entry| entry.group() == group);
+            let weights = entries.map(|entry| {
+                let point = &points[entry.function() as usize];
+                let offset = position - point.position();
+                let is_cut = cuts[point.cuts()].iter().any(|cut| cut.ends(offset));
+                let own = if is_cut { 0.0 } else { weight(offset, normal, point.normal(), point.radius) };
+                (entry.function(), own)
+            });
+            let found: Vec<(u32, f32)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
+            if found.iter().map(|(_, weight)| weight).sum::<f32>() > LEAST_WEIGHT {
+                return found;
+            }
+        }
+        Vec::new()
     }
 
     /// Returns the number of functions in the fullest bucket of a level.
@@ -198,7 +224,6 @@ fn hash(cell: IVec3, group: u32) -> u32 {
 mod tests {
     use super::*;
     use crate::baked::BakedScene;
-    use crate::kernel::weight;
     use crate::octahedral::pack_snorm16;
     use crate::rbn::meta::Level;
 

@@ -83,6 +83,11 @@ impl ReflectedSky<'_> {
     }
 }
 
+/// Returns the radiance of several skies from a unit direction of world space, over about this solid angle, sr.
+pub fn of_skies(skies: &[ReflectedSky<'_>], direction: Vec3, solid_angle: f32) -> Vec3 {
+    skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

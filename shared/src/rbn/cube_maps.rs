@@ -20,10 +20,10 @@ use super::codec::columns::{Columns, Kind};
 use super::limits::{all_sane, sane};
 use super::{RbnError, small};
 use crate::elementary::Elementary;
-use crate::octahedral::{decode as from_octahedron, encode as onto_octahedron};
+use crate::octahedral::{pack_bytes, unpack_bytes};
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Maximum number of maps: a texture has 256 layers.
 pub const MAX_MAPS: usize = 42;
@@ -33,8 +33,6 @@ pub const MAX_SIDE: u32 = 256;
 /// Code of the farthest distance, and of the nearest.
 const FARTHEST: f32 = 65_535.0;
 const NEAREST: f32 = 1.0;
-/// Code of a normal's coordinate of 0, and codes to that of 1.
-const MIDDLE: f32 = 127.0;
 /// Codes of all roughnesses.
 const ROUGHNESS: f32 = 254.0;
 
@@ -92,13 +90,12 @@ impl CubeTexel {
             false => 0.0,
         };
         let distance = (NEAREST + (FARTHEST - NEAREST) * share).round().clamp(NEAREST, FARTHEST);
-        let normal = (onto_octahedron(surface.normal) * MIDDLE + MIDDLE).round();
         let byte = |x: f32| x.clamp(0.0, 255.0) as u32;
         let root = |x: f32| byte((x.clamp(0.0, 1.0).sqrt() * 255.0).round());
         let [red, green, blue] = surface.reflectance.to_array().map(root);
         let metal = surface.metal.map_or(0, |roughness| byte((1.0 + ROUGHNESS * roughness).round()).max(1));
         Self {
-            geometry: distance as u32 | byte(normal.x) << 16 | byte(normal.y) << 24,
+            geometry: distance as u32 | pack_bytes(surface.normal) << 16,
             reflectance: red | green << 8 | blue << 16 | metal << 24,
             groups: surface.emitter.map_or(0, |group| group + 1) & 0xffff | surface.group << 16,
         }
@@ -118,8 +115,7 @@ impl CubeTexel {
 
     /// Unit normal, on the side that is seen.
     pub fn normal(self) -> Vec3 {
-        let coordinate = |shift: u32| ((self.geometry >> shift & 255) as f32 / MIDDLE - 1.0).min(1.0);
-        from_octahedron(Vec2::new(coordinate(16), coordinate(24)))
+        unpack_bytes(self.geometry >> 16)
     }
 
     /// Reflectance, linear RGB.

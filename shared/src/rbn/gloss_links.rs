@@ -16,10 +16,10 @@
 use super::limits::{MAX_ROW, all_sane};
 use super::{LinkMatrix, RbnError};
 use crate::elementary::Elementary;
-use crate::octahedral::{decode, encode};
+use crate::octahedral::{pack_bytes, unpack_bytes};
 use crate::rbn::codec::columns::{Columns, Kind};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Link of radiance; see the module's head for the bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -39,27 +39,23 @@ impl Columns for GlossLink {
 const ONE: f32 = 192.0;
 /// Codes of an octave.
 const OCTAVE: f32 = 16.0;
-/// Code of a coordinate of 0, and codes to that of 1.
-const MIDDLE: f32 = 127.0;
 
 impl GlossLink {
     /// Packs a link: `direction` is the mean, not zero, `length` that of the mean of unit vectors. Amounts below the least code
     /// become zero; the baker carries the rounding error over to the next link of the row.
     pub fn pack(sender: u32, direction: Vec3, amount: f32, length: f32) -> Self {
-        let place = (encode(direction) * MIDDLE + MIDDLE).round();
         let code = match amount > 0.0 {
             true => (ONE + OCTAVE * amount.logarithm2()).round().clamp(0.0, 255.0),
             false => 0.0,
         };
         let length = (length.clamp(0.0, 1.0) * 255.0).round();
         let byte = |x: f32| x as u8 as u32;
-        Self { sender, packed: byte(place.x) | byte(place.y) << 8 | byte(code) << 16 | byte(length) << 24 }
+        Self { sender, packed: pack_bytes(direction) | byte(code) << 16 | byte(length) << 24 }
     }
 
     /// Unit vector to the sender.
     pub fn direction(self) -> Vec3 {
-        let coordinate = |shift: u32| ((self.packed >> shift & 255) as f32 / MIDDLE - 1.0).min(1.0);
-        decode(Vec2::new(coordinate(0), coordinate(8)))
+        unpack_bytes(self.packed)
     }
 
     /// Integral of radiance over solid angle for unit light of the sender.

@@ -3,7 +3,7 @@
 
 use super::keyframes::{Curve, Motion, straight};
 use super::source::Source;
-use crate::io::options::PoseOption;
+use crate::io::options::{NO_ANIMATIONS, PoseOption};
 use crate::scene::SceneError;
 use gltf::json::animation::Animation;
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ fn chosen(source: &Source, pose: &PoseOption) -> Result<usize, SceneError> {
         file: source.file.clone(),
         wanted: pose.animation.clone().unwrap_or_default(),
         advice: match animations.len() {
-            0 => "it has none: leave out the animation and its time".to_owned(),
+            0 => NO_ANIMATIONS.to_owned(),
             _ => {
                 let names = animations.iter().enumerate().take(NAMED);
                 let names: Vec<String> = names.map(|(i, animation)| name(animation, i)).collect();

@@ -13,15 +13,13 @@ use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::Problem;
-use crate::transport::radiosity::{FixedSolution, GatherCount, GroupSource, linked_irradiance, source_links};
+use crate::transport::radiosity::{FixedSolution, GroupSource, linked_irradiance, source_links};
 use crate::transport::sources::SourceSettings;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Transfer, Workers};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
-/// Share of the mean bounced irradiance that is negligible.
-const NEGLIGIBLE: f32 = 1.0 / 500.0;
 /// Share of the elements that are patches; the rest are clusters.
 const PATCHES: f64 = 0.7;
 /// How far a patch has a weight at points, in sides of a square of a patch's mean area.
@@ -82,7 +80,7 @@ impl Antiradiance<'_> {
     ) -> Result<(FixedSolution, AntiradianceWork), AntiradianceError> {
         let &Problem { surfaces, points, relations, .. } = problem;
         let links = source_links(&self.groups, &self.sources, &self.emissive_groups, problem, job).await?;
-        let (count, groups) = (points.points.len(), self.groups.len());
+        let count = points.points.len();
         let linked = linked_irradiance(relations, &self.groups, &links, count);
         let watch = job.reporter.begin(Stage::Transport, None);
         let wanted = (self.settings.elements as f64 * PATCHES) as usize;
@@ -124,14 +122,8 @@ impl Antiradiance<'_> {
                 out.bounced.predict(relations, i);
             }
         }
-        out.levels = (points.levels.iter())
-            .map(|level| GatherCount {
-                points: level.count as u64,
-                gathered: level.range().filter(|i| out.is_gathered[*i]).count() as u64,
-            })
-            .collect();
+        out.measure(points);
         out.bounces = work.iterations;
-        out.floors = (0..groups).map(|group| floor(&out, group)).collect();
         Ok((out, work))
     }
 }
@@ -191,13 +183,6 @@ impl Finest {
             .collect();
         Self { places, first: level.first, spacing: level.support_radius }
     }
-}
-
-/// Irradiance that is negligible beside the mean of a group.
-fn floor(solution: &FixedSolution, group: usize) -> f32 {
-    let sum: f32 = solution.bounced.group(group).map(|value| value.element_sum() / 3.0).sum();
-    let count = solution.is_gathered.len().max(1);
-    (NEGLIGIBLE * sum / count as f32).clamp(1e-12, 1e12)
 }
 
 /// The threads of this process.

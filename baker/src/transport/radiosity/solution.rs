@@ -1,6 +1,10 @@
 //! A fixed solution: bounced light of every point for lights that stay in place.
 
 use super::direct::{GroupField, GroupSource};
+use crate::sampling::{PointLevel, Points};
+
+/// Share of the mean bounced irradiance that is negligible.
+const NEGLIGIBLE: f32 = 1.0 / 500.0;
 
 /// Figures of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,5 +52,21 @@ impl FixedSolution {
             source_rays,
             ..Self::default()
         }
+    }
+
+    /// Counts the gathered points of each level, and sets the floors to a share of each group's mean: for solvers that have
+    /// the light of all points.
+    pub fn measure(&mut self, points: &Points) {
+        let of_level = |level: &PointLevel| GatherCount {
+            points: level.count as u64,
+            gathered: level.range().filter(|i| self.is_gathered[*i]).count() as u64,
+        };
+        self.levels = points.levels.iter().map(of_level).collect();
+        let count = self.is_gathered.len().max(1) as f32;
+        let floor = |group: usize| {
+            let sum: f32 = self.bounced.group(group).map(|value| value.element_sum() / 3.0).sum();
+            (NEGLIGIBLE * sum / count).clamp(1e-12, 1e12)
+        };
+        self.floors = (0..self.has_direct.len()).map(floor).collect();
     }
 }

@@ -10,9 +10,7 @@ use crate::job::watch::{Stopped, Watch};
 use crate::light::direct::at_point;
 use crate::random::Stream;
 use crate::transport::Problem;
-use crate::transport::radiosity::{
-    FixedSolution, GatherCount, GroupField, GroupSource, linked_irradiance, source_links,
-};
+use crate::transport::radiosity::{FixedSolution, GroupSource, linked_irradiance, source_links};
 use crate::transport::sources::SourceSettings;
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -21,8 +19,6 @@ use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Directions to the sky from a control point.
 const SKY_DIRECTIONS: u64 = 64;
-/// Share of the mean bounced irradiance that is negligible.
-const NEGLIGIBLE: f32 = 1.0 / 500.0;
 
 /// Wavelet radiosity of a scene's lights, one after the other (Alonso et al. 2001).
 pub struct WaveletRadiosity<'a> {
@@ -99,7 +95,7 @@ impl WaveletRadiosity<'_> {
     ) -> Result<(FixedSolution, WaveletGroups), WaveletRadiosityError> {
         let &Problem { surfaces, points, relations, .. } = problem;
         let links = source_links(&self.groups, &self.sources, &self.emissive_groups, problem, job).await?;
-        let (count, groups) = (points.points.len(), self.groups.len());
+        let count = points.points.len();
         let linked = linked_irradiance(relations, &self.groups, &links, count);
         let watch = job.reporter.begin(Stage::Transport, None);
         let solved = self.groups(surfaces, &*watch)?;
@@ -124,13 +120,7 @@ impl WaveletRadiosity<'_> {
                 *value = solution.irradiance(place.patch, st).max(Vec3::ZERO);
             }
         }
-        out.levels = (points.levels.iter())
-            .map(|level| GatherCount {
-                points: level.count as u64,
-                gathered: level.range().filter(|i| out.is_gathered[*i]).count() as u64,
-            })
-            .collect();
-        out.floors = (0..groups).map(|group| floor(&out.bounced, group)).collect();
+        out.measure(points);
         Ok((out, solved))
     }
 }
@@ -147,13 +137,6 @@ pub enum WaveletRadiosityError {
     /// The job was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-}
-
-/// Irradiance that is negligible beside the mean of a group.
-fn floor(field: &GroupField, group: usize) -> f32 {
-    let sum: f32 = field.group(group).map(|value| value.element_sum() / 3.0).sum();
-    let count = (field.values.len() / field.groups.max(1)).max(1);
-    (NEGLIGIBLE * sum / count as f32).clamp(1e-12, 1e12)
 }
 
 /// Irradiance from the sky, by rays in fixed directions.

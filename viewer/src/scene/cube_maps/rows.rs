@@ -2,7 +2,6 @@
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::kernel::{LEAST_WEIGHT, weight};
 
 /// Functions of a texel, at most: those of the largest weights.
 pub(super) const FUNCTIONS: usize = 8;
@@ -13,25 +12,8 @@ const SHIFT: u32 = 22;
 /// Returns the row of a place of a reconstruction group: functions of the finest level that covers it, as find.wgsl has them;
 /// ends with 0.
 pub(super) fn row(scene: &BakedScene, place: Vec3, normal: Vec3, group: u32) -> [u32; FUNCTIONS] {
-    let mut found: Vec<(u32, f32)> = Vec::new();
-    for level in (0..scene.meta.levels.len()).rev() {
-        found.clear();
-        for entry in scene.relations.lookup.entries(level, place, group) {
-            let (j, own) = (entry.function(), entry.group());
-            let point = &scene.points[j as usize];
-            let offset = place - point.position();
-            if own != group || scene.cuts[point.cuts()].iter().any(|cut| cut.ends(offset)) {
-                continue;
-            }
-            let weight = weight(offset, normal, point.normal(), point.radius);
-            if weight > 0.0 {
-                found.push((j, weight));
-            }
-        }
-        if found.iter().map(|(_, weight)| weight).sum::<f32>() > LEAST_WEIGHT {
-            break;
-        }
-    }
+    let (lookup, levels) = (&scene.relations.lookup, scene.meta.levels.len());
+    let mut found = lookup.covering(levels, (&scene.points, &scene.cuts), (place, normal), group);
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut out = [0; FUNCTIONS];
     for (entry, (j, weight)) in out.iter_mut().zip(found) {

@@ -45,9 +45,7 @@ fn metal_reflected(row: u32, way: vec3f, normal: vec3f, roughness: f32) -> vec4f
     let alpha = max(roughness * roughness, LEAST_ALPHA);
     let sharpness = 0.5 / (alpha * alpha);
     let twice = exp(-2.0 * sharpness);
-    let r = saturate((1.0 + twice) / (1.0 - twice) - 1.0 / sharpness);
-    let cube = r * r * r;
-    var bands = array<f32, 5>(1.0, r, cube, cube * cube, cube * cube * cube * r);
+    var bands = harmonics_lobe(saturate((1.0 + twice) / (1.0 - twice) - 1.0 / sharpness));
     let y = harmonics(mirrored);
     var sum = vec4f(0.0);
     var total = 0.0;

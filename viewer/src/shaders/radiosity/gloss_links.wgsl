@@ -39,10 +39,7 @@ fn gloss_links(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
         let direction = octahedral_decode(min(place_on_square, vec2f(1.0)));
         let above = harmonics(direction);
         let below = harmonics(reflect(direction, normal));
-        // Zonal factors of a lobe by its mean resultant length: bands 0 to 4.
-        let r = f32(link.y >> 24u) / 255.0;
-        let cube = r * r * r;
-        var bands = array<f32, 5>(1.0, r, cube, cube * cube, cube * cube * cube * r);
+        var bands = harmonics_lobe(f32(link.y >> 24u) / 255.0);
         var i = 0u;
         for (var band = 0u; band < 5u; band++) {
             for (var order = 0u; order < 2u * band + 1u; order++) {

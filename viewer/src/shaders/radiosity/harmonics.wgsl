@@ -2,6 +2,12 @@
 
 const HARMONICS = 25u;
 
+// Factors of the bands for a lobe whose directions have a mean vector of this length; as shared/src/harmonics/zonal.rs.
+fn harmonics_lobe(r: f32) -> array<f32, 5> {
+    let cube = r * r * r;
+    return array<f32, 5>(1.0, r, cube, cube * cube, cube * cube * cube * r);
+}
+
 fn harmonics(d: vec3f) -> array<f32, HARMONICS> {
     let s = d * d;
     return array<f32, HARMONICS>(

@@ -22,7 +22,7 @@ use cube_maps::{CubeMapLookup, CubeMaps};
 use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::CameraFrame;
-use rebounce_shared::environment::reflection::ReflectedSky;
+use rebounce_shared::environment::reflection::{ReflectedSky, of_skies};
 use rebounce_shared::gloss::{Arriving, Fresnel, GlossyField, over_lobe};
 use rebounce_shared::lighting::Lighting;
 use screen::Screen;
@@ -68,23 +68,9 @@ enum ReflectionSource {
     Screen(Screen, Option<CubeMaps>),
 }
 
-/// What arrives at a hit by the transfer.
-struct AtHit<'a> {
-    field: &'a GlossyField,
-    arriving: Arriving,
-    skies: Vec<ReflectedSky<'a>>,
-}
-
-impl AtHit<'_> {
-    /// Radiance from a direction, by the transfer.
-    fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
-        self.field.radiance(&self.arriving, &self.skies, direction, solid_angle)
-    }
-
-    /// Radiance of the environments in a direction, as if nothing hid them.
-    fn sky(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
-        self.skies.iter().map(|sky| sky.radiance(direction, solid_angle)).sum()
-    }
+/// The environments of a lighting as surfaces reflect them.
+fn skies(lighting: &Lighting) -> Vec<ReflectedSky<'_>> {
+    lighting.background.iter().map(|background| background.reflected()).collect()
 }
 
 impl Reflections {
@@ -132,33 +118,20 @@ impl Reflections {
         }
     }
 
-    /// What arrives at a hit; `None` where the transfer does not reach.
-    fn at<'a>(&'a self, lighting: &'a Lighting, basis: &Leveled, hit: &Hit) -> Option<AtHit<'a>> {
-        self.at_place(lighting, basis, hit.position, hit.normal, hit.group)
-    }
-
-    /// As [`Self::at`], at a place of a reconstruction group.
-    fn at_place<'a>(
-        &'a self,
-        lighting: &'a Lighting,
-        basis: &Leveled,
-        position: Vec3,
-        normal: Vec3,
-        group: u32,
-    ) -> Option<AtHit<'a>> {
+    /// What arrives at a place of a reconstruction group; `None` where the transfer does not reach.
+    fn arriving(&self, basis: &Leveled, position: Vec3, normal: Vec3, group: u32) -> Option<Arriving> {
         let mut weights = Vec::with_capacity(64);
         basis.interpolate(position, normal, group, &mut weights);
-        let arriving = self.field.mean(&weights)?;
-        let skies = lighting.background.iter().map(|background| background.reflected()).collect();
-        Some(AtHit { field: &self.field, arriving, skies })
+        self.field.mean(&weights)
     }
 
     /// Radiance that a metal sends along a ray by the transfer, without the light of lamps: a GGX conductor whose reflectance
     /// is the albedo at every angle. `None` where the transfer does not reach.
     fn by_transfer(&self, lighting: &Lighting, basis: &Leveled, hit: &Hit, direction: Vec3) -> Option<Vec3> {
-        let at = self.at(lighting, basis, hit)?;
+        let arriving = self.arriving(basis, hit.position, hit.normal, hit.group)?;
+        let skies = skies(lighting);
         Some(conducted(hit, direction, Vec2::ZERO, |to_light, solid_angle| {
-            at.radiance(to_light, solid_angle)
+            self.field.radiance(&arriving, &skies, to_light, solid_angle)
         }))
     }
 
@@ -172,27 +145,24 @@ impl Reflections {
         stream: &mut Stream,
     ) -> Option<Vec3> {
         let (lighting, basis) = (&relit.lighting, &relit.basis);
-        let by_transfer = match &self.source {
+        let is_smooth = match &self.source {
             ReflectionSource::Transfer => true,
             ReflectionSource::CubeMaps(maps) => !maps.reflects(hit.gloss.roughness),
-            _ => false,
+            ReflectionSource::Rays | ReflectionSource::Screen(..) => false,
         };
-        if by_transfer {
+        if is_smooth {
             return self.by_transfer(lighting, basis, hit, direction);
         }
         let maps = self.cube_maps();
-        let at = self.at(lighting, basis, hit);
-        if at.is_none() && maps.is_none_or(CubeMaps::needs_transfer) {
-            return None;
-        }
-        let by_transfer = |to_light, solid_angle| match &at {
-            Some(at) => at.radiance(to_light, solid_angle),
-            None => Vec3::ZERO,
+        let arriving = match maps.is_none_or(CubeMaps::needs_transfer) {
+            true => Some(self.arriving(basis, hit.position, hit.normal, hit.group)?),
+            false => None,
         };
-        let skies: Vec<ReflectedSky<'_>> =
-            lighting.background.iter().map(|background| background.reflected()).collect();
-        let sky = |to_light, solid_angle| -> Vec3 {
-            skies.iter().map(|sky| sky.radiance(to_light, solid_angle)).sum()
+        let skies = skies(lighting);
+        let sky = |to_light, solid_angle| of_skies(&skies, to_light, solid_angle);
+        let by_transfer = |to_light, solid_angle| match &arriving {
+            Some(arriving) => self.field.radiance(arriving, &skies, to_light, solid_angle),
+            None => Vec3::ZERO,
         };
         let mut cost = Cost { lobes: 1, ..Cost::default() };
         // What is not blurred as wide as a sample is averaged over the samples of a pixel.

@@ -6,13 +6,14 @@ use crate::geometry::Surfaces;
 use crate::light::direct;
 use crate::random::Stream;
 use crate::verify::render::Relit;
-use crate::verify::render::reflections::Reflections;
+use crate::verify::render::reflections::{Reflections, skies};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::cube_map::levels::Levels;
 use rebounce_shared::cube_map::march::Distances;
 use rebounce_shared::cube_map::metal_in_map;
+use rebounce_shared::environment::reflection::of_skies;
 use rebounce_shared::rbn::cube_maps::CubeMaps as CubeMapsOfFile;
 use std::f32::consts::FRAC_1_PI;
 
@@ -45,7 +46,7 @@ impl CubeMaps {
     ) -> Self {
         let emission = scene.gloss.layout.emission.iter().zip(&relit.lighting.emission);
         let emission: Vec<Vec3> = emission.map(|(mean, factor)| Vec3::from(*mean) * *factor).collect();
-        let cube = maps.cube();
+        let (cube, skies) = (maps.cube(), skies(&relit.lighting));
         let radiance = |i: usize| {
             let Some(point) = maps.point(i) else { return Vec4::ZERO };
             let (texel, stream) = (maps.texels[i], &mut Stream::new(i as u64, 0));
@@ -54,11 +55,10 @@ impl CubeMaps {
             let lamps = direct::at_footprint(surfaces, &relit.lighting.lamps, &point);
             let light = relit.light_with_detail(surfaces, position, [normal; 2], texel.group(), stream);
             let around = texel.metal().and_then(|roughness| {
-                let at =
-                    reflections.at_place(&relit.lighting, &relit.basis, position, normal, texel.group())?;
+                let arriving = reflections.arriving(&relit.basis, position, normal, texel.group())?;
                 let way = cube.direction(i % cube.texels());
-                Some(metal_in_map(&at.arriving, way, normal, roughness, |direction, solid_angle| {
-                    at.sky(direction, solid_angle)
+                Some(metal_in_map(&arriving, way, normal, roughness, |direction, solid_angle| {
+                    of_skies(&skies, direction, solid_angle)
                 }))
             });
             let around = around.unwrap_or((light.bounced + light.from_sources) * FRAC_1_PI);

@@ -72,7 +72,7 @@ impl CubeMaps {
 
     /// Whether some samples are the transfer's.
     pub(super) fn needs_transfer(&self) -> bool {
-        self.lookup.with_transfer
+        self.lookup.with_transfer || self.maps.is_empty()
     }
 
     /// Texels that are lit anew after a change of light.
