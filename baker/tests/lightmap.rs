@@ -23,7 +23,7 @@ use rebounce_shared::relight::from_groups;
 /// Solves; returns the file, and the number of charts.
 fn solved(scene: &Scene, wavelets: WaveletSettings) -> (BakedScene, u64) {
     let mut bake = BakeSettings::new(Preset::Draft);
-    bake.place.functions = 6000;
+    bake.place.functions = 2500;
     let solver = FixedSolver::Wavelet(wavelets);
     let settings = SolveSettings { bake, radiosity: RadiositySettings::default(), solver };
     let (file, report) = solve(scene, &settings).unwrap();
@@ -144,7 +144,7 @@ fn exported(file: &BakedScene, form: Form, is_unwrapped: bool) -> Export {
 #[test]
 fn exports_take_the_charts_and_texels_of_the_file() {
     let scene = rebounce::io::load("builtin:teapot").unwrap();
-    let (file, charts) = solved(&scene, WaveletSettings { convergence: 0.8, ..WaveletSettings::default() });
+    let (file, charts) = solved(&scene, coarse());
     let made = exported(&file, Form::LightmapTexture, false);
     let (atlas, texture) = (made.atlas.unwrap(), made.lightmap.unwrap());
     assert!(atlas.is_own && atlas.size == file.lightmap.layout.size, "{atlas:?}");

@@ -21,6 +21,7 @@ fn a_function_with_its_links_takes_at_most_seventy_bytes() {
 }
 
 #[test]
+#[ignore = "bakes a large scene for minutes: cargo test --test all -- --ignored"]
 fn a_hall_with_its_textures_is_loaded_in_twelve_megabytes() {
     // Without the scene file, only the test above applies.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");

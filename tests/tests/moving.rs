@@ -20,6 +20,7 @@ use rebounce_shared::motion::{Motions, NodeMotion};
 use rebounce_tests::small::settings;
 
 const SIZE: [u32; 2] = [64, 48];
+const DOOR_SIZE: [u32; 2] = [48, 36];
 
 /// A room with over a hundred balls, each of which may move.
 fn crowd(light: Light) -> BakedScene {
@@ -51,18 +52,21 @@ fn light_of_moved_nodes_is_the_cpus() {
             _ => NodeMotion::default(),
         })
         .collect();
-    let before = common::indirect(&mut renderer, SIZE);
     renderer.move_nodes(&moved).unwrap();
     let ours = common::indirect(&mut renderer, SIZE);
     assert!(!renderer.is_solving());
     let motions = Motions::new(&scene.groups, &moved, scene.meta.origin);
-    let surfaces = TriangleSurfaces::from_moved(&scene, &motions).unwrap();
-    let lighting = Lighting::new(&[light], None, scene.meta.origin, 0);
-    let relit = Relit::moved(&scene, &surfaces, lighting, true, &motions);
-    let exposure = Exposure { size: SIZE, samples: 128, seed: 3 };
-    let truth = relit.picture(&scene, &surfaces, &camera, exposure, Only::Indirect, || ()).pixels;
-    let (error, bias) = common::difference(&ours, &truth);
-    let (change, _) = common::difference(&ours, &before);
+    let picture = |motions: &Motions| {
+        let surfaces = TriangleSurfaces::from_moved(&scene, motions).unwrap();
+        let lighting = Lighting::new(std::slice::from_ref(&light), None, scene.meta.origin, 0);
+        let relit = Relit::moved(&scene, &surfaces, lighting, true, motions);
+        let exposure = Exposure { size: SIZE, samples: 128, seed: 3 };
+        relit.picture(&scene, &surfaces, &camera, exposure, Only::Indirect, || ()).pixels
+    };
+    // The GPU solves once, in software most of this test's time: what is left of an earlier place is the door's law.
+    let at_rest = picture(&Motions::new(&scene.groups, &[], scene.meta.origin));
+    let (error, bias) = common::difference(&ours, &picture(&motions));
+    let (change, _) = common::difference(&ours, &at_rest);
     println!("error {error}, bias {bias}; the motion changes {change}");
     assert!(error < 0.03 && bias.abs() < 0.01, "{error}, {bias}");
     assert!(change > 0.1, "{change}");
@@ -75,7 +79,7 @@ fn a_door_in_the_viewer_is_the_cpus_and_a_wall_where_it_is_closed() {
         [("builtin:two-rooms-leaf", [0.0, 80.0]), ("builtin:two-rooms-leaf-open", [-80.0, 0.0])]
     {
         let room = rebounce::io::load(name).unwrap();
-        let mut settings = settings(1500);
+        let mut settings = settings(900);
         settings.solver = BakeSolver::Radiosity;
         let scene = bake(&room, &settings.normalised(), &()).unwrap().0;
         let Some(mut renderer) = common::renderer(&scene) else { return };
@@ -87,7 +91,7 @@ fn a_door_in_the_viewer_is_the_cpus_and_a_wall_where_it_is_closed() {
             renderer.move_nodes(&[turn]).unwrap();
             [&dark, &lit].map(|camera| {
                 renderer.set_camera(camera.clone()).unwrap();
-                common::indirect(&mut renderer, SIZE)
+                common::indirect(&mut renderer, DOOR_SIZE)
             })
         };
         let truth = |rotation_y_deg: f64| {
@@ -97,7 +101,7 @@ fn a_door_in_the_viewer_is_the_cpus_and_a_wall_where_it_is_closed() {
             let lighting = Lighting::new(&lights, None, scene.meta.origin, 0);
             let relit = Relit::moved(&scene, &surfaces, lighting, true, &motions);
             [&dark, &lit].map(|camera| {
-                let exposure = Exposure { size: SIZE, samples: 64, seed: 3 };
+                let exposure = Exposure { size: DOOR_SIZE, samples: 64, seed: 3 };
                 relit.picture(&scene, &surfaces, camera, exposure, Only::Indirect, || ()).pixels
             })
         };
