@@ -298,7 +298,7 @@ pub fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
                 "node_modules/terser/bin/terser",
                 "--module",
                 "--compress",
-                "passes=3,ecma=2020,keep_fargs=false,unsafe_arrows,unsafe_methods",
+                "passes=2,ecma=2020,inline=1,keep_fargs=false,sequences=false,unsafe_arrows,unsafe_methods",
                 "--ecma",
                 "2020",
                 "--mangle",

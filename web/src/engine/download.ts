@@ -60,12 +60,14 @@ export async function download(url: string, signal: AbortSignal, onProgress: OnP
     signal.throwIfAborted();
     if (error instanceof Failure) throw error;
     const share = total ? `${loaded} of ${total} bytes` : `${loaded} bytes`;
-    const [code, message] = stalled.signal.aborted
-      ? ["stalled", `The download of ${name} has stalled after ${share}: nothing came for a minute. Load it again.`]
-      : began
-        ? ["truncated", `The download of ${name} broke off after ${share}; load it again.`]
-        : ["network", `The file ${name} could not be fetched; check the address and the connection.`];
-    throw new Failure(code, message, { cause: error });
+    const hasStalled = stalled.signal.aborted;
+    throw hasStalled || began
+      ? new Failure(
+          hasStalled ? "stalled" : "truncated",
+          `The download of ${name} ${hasStalled ? "stalled" : "broke off"} after ${share}; load it again.`,
+          { cause: error },
+        )
+      : new Failure("network", `The file ${name} could not be fetched; check the address and the connection.`, { cause: error });
   } finally {
     clearTimeout(timer);
   }

@@ -25,7 +25,7 @@ export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean
       "no-webgpu",
       window.isSecureContext
         ? "This browser has no WebGPU: there is no navigator.gpu."
-        : "WebGPU needs a secure page: open this one over https, or from localhost.",
+        : "WebGPU needs a secure page: open this page over https.",
     );
   }
   if (radiosity) return (await wanted(import("../radiosity.js"), "renderer of radiosity")).createViewer(canvas) as unknown as Promise<Viewer>;
