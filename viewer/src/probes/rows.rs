@@ -8,7 +8,6 @@ use glam::{Vec2, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::Lookup;
 use rebounce_shared::environment::bins;
-use rebounce_shared::kernel::{LEAST_WEIGHT, weight};
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::{Cut, Point};
 use rebounce_shared::rbn::groups::Groups;
@@ -209,25 +208,13 @@ impl Input {
         let level =
             self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
         let group = self.reconstruction.of_material(hit.material);
-        for level in (0..level).rev() {
-            let entries = self.lookup.entries(level, place, group);
-            let covering = entries.iter().filter(|entry| entry.group() == group).map(|entry| {
-                let j = entry.function();
-                let point = &self.points[j as usize];
-                let offset = place - point.position();
-                let is_cut = self.cuts[point.cuts()].iter().any(|cut| cut.ends(offset));
-                (j, if is_cut { 0.0 } else { weight(offset, hit.normal, point.normal(), point.radius) })
-            });
-            let covering: Vec<(u32, f32)> = covering.filter(|(_, weight)| *weight > 0.0).collect();
-            let total: f32 = covering.iter().map(|(_, weight)| weight).sum();
-            if total > LEAST_WEIGHT {
-                for (j, weight) in covering {
-                    let tint = self.points[j as usize].tint();
-                    let amount = shade.albedo.dot(tint) / tint.length_squared();
-                    entry(j, weight / total * amount * std::f32::consts::FRAC_1_PI);
-                }
-                break;
-            }
+        let of = (self.points.as_slice(), self.cuts.as_slice());
+        let covering = self.lookup.covering(level, of, (place, hit.normal), group);
+        let total: f32 = covering.iter().map(|(_, weight)| weight).sum();
+        for (j, weight) in covering {
+            let tint = self.points[j as usize].tint();
+            let amount = shade.albedo.dot(tint) / tint.length_squared();
+            entry(j, weight / total * amount * std::f32::consts::FRAC_1_PI);
         }
         self.emitted(hit, shade, entry);
     }

@@ -243,7 +243,8 @@ impl Renderer {
             && scene.is_some_and(|scene| !scene.meta.shown.ground.is_empty());
         // Direct light is then a part of what the points hold.
         let from_sources = scene.is_some_and(|scene| scene.relight.has_sources());
-        let skies = if self.mode == Mode::Indirect { Vec::new() } else { self.skies() };
+        let scale = self.lit.sky.as_ref().map_or(0.0, |sky| sky.scale);
+        let skies = if self.mode == Mode::Indirect { Vec::new() } else { self.skies(scale) };
         #[cfg(feature = "radiosity")]
         let charted = flag(scene.is_some_and(|scene| scene.lightmap.is_some()), composite::CHARTED);
         #[cfg(feature = "radiosity")]
@@ -282,9 +283,8 @@ impl Renderer {
         }
     }
 
-    /// Factor of each sky behind the scene, and its rotation in radians.
-    fn skies(&self) -> Vec<[f32; 4]> {
-        let scale = self.lit.sky.as_ref().map_or(0.0, |sky| sky.scale);
+    /// Factor of each sky for a texture of this scale, and its rotation in radians.
+    pub(super) fn skies(&self, scale: f32) -> Vec<[f32; 4]> {
         let sky = |of: &Background| (of.factor * scale).extend(of.rotation_deg.to_radians()).to_array();
         self.lit.lighting.background.iter().take(MOST_SKIES).map(sky).collect()
     }

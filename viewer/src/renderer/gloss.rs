@@ -8,7 +8,6 @@ use crate::scene::sky::Sky;
 use crate::scene::{GpuScene, blended_fit};
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::gloss::distant_light;
-use rebounce_shared::lighting::Background;
 
 /// Most that emissive surfaces have in 16-bit floats, whose greatest is 65504: metals before them add to it.
 const BRIGHT: f32 = 8192.0;
@@ -64,9 +63,7 @@ impl Renderer {
 
     /// Factor of each reflected sky, and its rotation in radians.
     fn reflected_skies(&self) -> Vec<[f32; 4]> {
-        let scale = self.lit.sky.as_ref().map_or(0.0, |sky| sky.reflected().scale);
-        let sky = |of: &Background| (of.factor * scale).extend(of.rotation_deg.to_radians()).to_array();
-        self.lit.lighting.background.iter().map(sky).collect()
+        self.skies(self.lit.sky.as_ref().map_or(0.0, |sky| sky.reflected().scale))
     }
 
     /// Draws the reflections of a picture; no effect without glossy transfer.
