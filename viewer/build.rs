@@ -14,6 +14,7 @@ fn main() -> io::Result<()> {
     // What other programs need does not change the bytes of the element.
     paths.extend(shaders("src/shaders/three")?);
     paths.extend(shaders("src/shaders/radiosity")?);
+    paths.extend(shaders("src/shaders/antiradiance")?);
     let sources = paths.iter().map(fs::read_to_string).collect::<io::Result<Vec<_>>>()?;
     for (path, short) in paths.iter().zip(minify::minified(&sources, own)) {
         fs::write(Path::new(&out).join(path.file_name().ok_or(io::ErrorKind::InvalidInput)?), short)?;

@@ -11,7 +11,7 @@ use rebounce::verify::render::render;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
-const SIZE: u32 = 128;
+const SIZE: u32 = 88;
 /// Maximum RMS difference, as a share of the mean.
 const MOST: f32 = 0.12;
 /// Maximum share of pixels that show a light in one picture alone.

@@ -18,8 +18,8 @@ use rebounce_shared::rbn::meta::{Alpha, Material};
 use rebounce_tests::small::{add_parallelogram, settings};
 use rebounce_viewer::settings::Mode;
 
-const WIDTH: u32 = 80;
-const HEIGHT: u32 = 80;
+const WIDTH: u32 = 56;
+const HEIGHT: u32 = 56;
 
 /// Bakes the Cornell box with panes: one in the left half, one behind it across the full width, and one that crosses
 /// both. `glass` makes two of them glass.

@@ -10,7 +10,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_tests::small::settings;
 
-const SIZE: [u32; 2] = [96, 80];
+const SIZE: [u32; 2] = [64, 54];
 
 fn trophy() -> BakedScene {
     let settings = settings(3000).for_environment().normalised();

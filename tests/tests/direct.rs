@@ -12,7 +12,7 @@ use rebounce::verify::render::render;
 use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
-const SIZE: [u32; 2] = [256, 144];
+const SIZE: [u32; 2] = [192, 108];
 /// Maximum distance of a shadow's edge from the CPU's, pixels; pixels within this distance of the CPU's edges are not
 /// compared.
 const NEAR: u32 = 2;

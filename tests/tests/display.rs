@@ -8,7 +8,7 @@ use rebounce_tests::small::{everything, small};
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::settings::{Display, Mode};
 
-const SIZE: [u32; 2] = [128, 96];
+const SIZE: [u32; 2] = [96, 72];
 
 fn values(renderer: &mut Renderer, way: Display, mode: Option<Mode>) -> Vec<f32> {
     renderer.set_display(way);

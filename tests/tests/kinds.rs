@@ -11,7 +11,7 @@ use rebounce_shared::light::{
     Absent, DIRECTION, INTENSITY, KINDS, Light, LightDescription, LightKind, NUMBERS, POSITION,
 };
 
-const SIZE: u32 = 192;
+const SIZE: u32 = 128;
 /// Maximum RMS difference, relative: shadows' edges differ by parts of a pixel.
 const MOST: f32 = 0.03;
 

@@ -10,7 +10,7 @@ use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
 use rebounce_shared::light::{Light, SIZE as SIZE_OF_LIGHT};
 
-const SIZE: u32 = 96;
+const SIZE: u32 = 72;
 /// Minimum difference from a point light, relative to the brighter value, that counts as penumbra.
 const SEEN: f32 = 0.1;
 /// Maximum RMS difference to the CPU within the penumbra, as a share of the RMS difference between point and area

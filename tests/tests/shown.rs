@@ -15,7 +15,7 @@ use rebounce_shared::rbn::shown::{Ground, SIDE};
 use rebounce_tests::small::{everything, small};
 use rebounce_viewer::settings::ToneMapping;
 
-const SIZE: [u32; 2] = [160, 90];
+const SIZE: [u32; 2] = [128, 72];
 /// Neighbourhood and maximum difference (of 255) of compared pixels: shadow edges differ by a texel of a shadow map,
 /// and the page averages tone-mapped values, the command radiance.
 const BESIDE: i32 = 2;

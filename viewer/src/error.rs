@@ -34,6 +34,17 @@ pub enum ViewerError {
         /// The limit, bytes.
         limit: u64,
     },
+    /// A scene's elements and links for antiradiance are larger than a buffer.
+    #[cfg(feature = "antiradiance")]
+    #[error(
+        "the elements and links of antiradiance take {bytes} bytes, a buffer of this graphics adapter holds {limit}: take fewer elements, or fewer bins"
+    )]
+    TooManyElements {
+        /// Bytes of the largest table.
+        bytes: u64,
+        /// The limit, bytes.
+        limit: u64,
+    },
     /// The GPU has no memory left.
     #[error("the graphics memory is full; close other pages that use it, or show fewer scenes at once")]
     OutOfMemory,
@@ -81,6 +92,8 @@ impl ViewerError {
             Self::NoDevice(_) => "no-device",
             Self::File(error) => error.code(),
             Self::TooLarge { .. } => "too-large",
+            #[cfg(feature = "antiradiance")]
+            Self::TooManyElements { .. } => "too-large",
             Self::OutOfMemory => "out-of-memory",
             Self::Texture { .. } => "texture",
             Self::DeviceLost(_) => "device-lost",

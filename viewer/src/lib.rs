@@ -34,6 +34,8 @@ pub use error::ViewerError;
 pub use gpu::{readback, scope};
 pub use passes::{composite, display, settings, shadow};
 pub use renderer::{pipelines, stats};
+#[cfg(feature = "antiradiance")]
+pub use scene::antiradiance;
 #[cfg(feature = "radiosity")]
 pub use scene::radiosity;
 pub use scene::{blended_fit, materials, relight, upload, view};

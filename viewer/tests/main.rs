@@ -3,6 +3,8 @@
 
 mod common;
 
+#[cfg(feature = "antiradiance")]
+mod antiradiance;
 mod area;
 mod blended;
 mod cached_direct;

@@ -80,9 +80,14 @@ export async function runPageTests(harness, paths, only) {
   const last = left.indexOf(recovery) < 0 ? [] : [left.pop()];
   try {
     const lanes = await Promise.allSettled(
-      Array.from({ length: LANES }, () => inBrowser(shared, async (context) => {
-        for (let part = left.shift(); part; part = left.shift()) await part(harness, context);
-      })),
+      Array.from({ length: LANES }, async () => {
+        // Where a browser crashes, later parts have a new one.
+        while (left.length > 0) {
+          await inBrowser(shared, async (context) => {
+            for (let part = left.shift(); part; part = context.browser.isConnected() && left.shift()) await part(harness, context);
+          });
+        }
+      }),
     );
     const lost = lanes.find((lane) => lane.status === "rejected");
     if (lost) throw lost.reason;

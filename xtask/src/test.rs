@@ -4,6 +4,7 @@ use crate::package::{self, Tarballs};
 use crate::toolchain::{self, Toolchain};
 use crate::{bindgen, gate, install, installed, npm, process, site, sources, web};
 use anyhow::{Context, Result, bail};
+use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::process::Stdio;
 
@@ -37,17 +38,23 @@ pub fn run(args: &[String]) -> Result<()> {
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
-    // The page comes first: the tests build the binary with the embedded page.
-    if in_page {
-        web::build()?;
-    } else {
-        install::ensure(&install::NODE)?;
-        web::npm()?;
+    install::ensure(&install::NODE)?;
+    web::npm()?;
+    if in_page || wanted("wasm") {
+        // Before the threads: only one may install it.
+        toolchain::find()?;
     }
+    let checked = std::thread::scope(|scope| {
+        // Beside the page, which links with one core for minutes.
+        let checked = part.is_none().then(|| scope.spawn(gate::run));
+        // The page comes first: the tests build the binary with the embedded page.
+        let built = if in_page { web::build() } else { Ok(()) };
+        let checked = checked.map(|checked| checked.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        built.map(|()| checked.unwrap_or(Ok(())))
+    })?;
     if part == Some("install") {
         return installed::test();
     }
-    let checked = if part.is_none() { gate::run() } else { Ok(()) };
     if let Err(error) = &checked {
         println!("{error:#}");
     }
@@ -119,7 +126,7 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
-        npm::build()?;
+        npm::build(npm::TESTED)?;
         let Tarballs { viewer, command, native } = package::pack(&bin("rebounce"))?;
         node.arg("--package").arg(&work).arg(bin("rebounce")).args([viewer, command]);
         node.arg(native.unwrap_or_else(|| "none".into()));

@@ -8,6 +8,7 @@ use crate::process;
 use anyhow::{Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The target's name.
@@ -24,11 +25,19 @@ pub enum Toolchain {
     Debian,
 }
 
-/// Finds a toolchain for wasm, and installs a missing toolchain.
+/// Finds a toolchain for wasm, and installs a missing toolchain. Later calls return the one that the first has found.
 ///
 /// # Errors
 /// If no toolchain is found or installable.
 pub fn find() -> Result<Toolchain> {
+    static FOUND: Mutex<Option<Toolchain>> = Mutex::new(None);
+    let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+    let toolchain = found.map_or_else(look, Ok)?;
+    *found = Some(toolchain);
+    Ok(toolchain)
+}
+
+fn look() -> Result<Toolchain> {
     if has_target() {
         return Ok(Toolchain::Ordinary);
     }

@@ -7,6 +7,7 @@
 //! antiradiance of each wall along the wall itself, where it is mistaken for a shadow.
 
 use super::patches::Patch;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ pub const CHILDREN: usize = 4;
 pub const NONE: u32 = u32::MAX;
 
 /// A patch or a cluster.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Element {
     /// Middle: of a cluster, the mean of its patches by area. Local space.

@@ -14,12 +14,14 @@
 //! | form factors: bins and factors of a link | [`transfers`], [`transfer`], [`spread`] |
 //! | global pass U, push and pull | [`transport`] |
 //! | local pass K and J | [`local`], [`cosines`] |
+//! | the same transfers by receiver and bin, for a GPU | [`cells`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
-//! | ordered iteration | [`sweep`] |
+//! | ordered iteration; the same for many threads | [`sweep`], [`waves`] |
 //!
 //! Nothing here starts threads: [`workers`] is what a caller brings.
 
 pub mod bins;
+pub mod cells;
 pub mod cosines;
 pub mod hierarchy;
 pub mod links;
@@ -34,13 +36,16 @@ mod tests;
 pub mod transfer;
 pub mod transfers;
 pub mod transport;
+pub mod waves;
 pub mod workers;
 
 pub use bins::Bins;
+pub use cells::Cells;
 pub use hierarchy::Hierarchy;
 pub use links::Links;
 pub use patches::Patch;
 pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
 pub use transfer::Transfer;
 pub use transfers::{Exchange, Spreading, Transfers};
+pub use waves::Waves;
 pub use workers::{Serial, Workers};

@@ -27,7 +27,7 @@ pub enum Iteration {
 
 impl Iteration {
     /// Whether a step, counted from 0, reflects light.
-    fn reflects(&self, step: u32) -> bool {
+    pub fn reflects(&self, step: u32) -> bool {
         match self {
             Self::Ordered | Self::Symmetric => true,
             Self::Asymmetric(steps) => (step + 1).is_multiple_of((*steps).max(1)),

@@ -145,7 +145,7 @@ impl Sweep {
 }
 
 /// Elements by the first of their patches along a way, parents before children.
-fn ordered(elements: &[Element], way: Vec3) -> Vec<u32> {
+pub(super) fn ordered(elements: &[Element], way: Vec3) -> Vec<u32> {
     let mut first = vec![f32::INFINITY; elements.len()];
     for (i, element) in elements.iter().enumerate().rev() {
         first[i] = if element.is_patch() {

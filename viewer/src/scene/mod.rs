@@ -4,6 +4,7 @@
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
 //! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
+//! * `antiradiance` – bounced light without visibility, for things that deform;
 //! * `lightmap` – the light of a fixed solution as a texture; `gloss` – light that arrives at glossy surfaces;
 //! * `materials`, `textures` – a bind group per material, mip levels;
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
@@ -13,6 +14,8 @@
 //! * `ground` – the ground under an object;
 //! * `view` – the camera that looks at it.
 
+#[cfg(feature = "antiradiance")]
+pub mod antiradiance;
 pub mod blended_fit;
 #[cfg(feature = "radiosity")]
 pub mod cube_maps;

@@ -1,0 +1,131 @@
+//! Figures of antiradiance on the GPU as a table of Markdown, for `cargo xtask bench-antiradiance`: the columns of Tables 1
+//! and 2 of Dachsbacher et al. 2007.
+//!
+//! `antiradiance [--bins N] [--elements N] [--steps N] SCENE ...`
+
+use anyhow::{Context, Result};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::light::direct::at_point;
+use rebounce::transport::antiradiance::patches_of;
+use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings, Transfer, Workers};
+use rebounce_shared::lighting::Lighting;
+use rebounce_viewer::antiradiance::{AntiradiancePipelines, GpuAntiradiance};
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::readback::Readback;
+use std::time::Instant;
+
+/// Share of the elements that are patches.
+const PATCHES: f64 = 0.7;
+
+/// All threads.
+struct Pool;
+
+impl Workers for Pool {
+    fn rows(&self, table: &mut [Vec3], width: usize, each: &(dyn Fn(usize, &mut [Vec3]) + Sync)) {
+        table.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(i, row)| each(i, row));
+    }
+
+    fn lists(&self, count: usize, each: &(dyn Fn(usize) -> Vec<Transfer> + Sync)) -> Vec<Vec<Transfer>> {
+        (0..count).into_par_iter().map(each).collect()
+    }
+}
+
+fn main() -> Result<()> {
+    let (mut scenes, mut bins, mut elements, mut steps) = (Vec::new(), 128, 18_000, 8u32);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut number = || -> Result<usize> {
+            let number = arguments.next().with_context(|| format!("{argument} needs a number"))?;
+            number.parse().with_context(|| number)
+        };
+        match argument.as_str() {
+            "--bins" => bins = number()?,
+            "--elements" => elements = number()?,
+            "--steps" => steps = number()? as u32,
+            _ => scenes.push(argument),
+        }
+    }
+    let gpu = Gpu::headless().context("no adapter")?;
+    let pipelines = AntiradiancePipelines::new(&gpu);
+    println!("Steps of {} on {}, links and form factors on the CPU.\n", gpu.adapter, threads());
+    println!(
+        "| scene | iteration | bins | elements | links | form factors | links, s | waves | MB | CPU, ms a step | GPU, ms a step | GPU against CPU |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for scene in &scenes {
+        for iteration in [Iteration::Symmetric, Iteration::Ordered] {
+            let settings = SolverSettings {
+                bins,
+                iteration,
+                iterations: steps,
+                tolerance: 0.0,
+                ..SolverSettings::default()
+            };
+            println!("{}", row(&gpu, &pipelines, scene, elements, &settings)?);
+        }
+    }
+    Ok(())
+}
+
+fn threads() -> String {
+    format!("{} threads", rayon::current_num_threads())
+}
+
+fn row(
+    gpu: &Gpu,
+    pipelines: &AntiradiancePipelines,
+    name: &str,
+    elements: usize,
+    settings: &SolverSettings,
+) -> Result<String> {
+    let scene = rebounce::io::load(name)?;
+    let surfaces = TriangleSurfaces::simplified(&scene);
+    let patches = patches_of(&scene, (elements as f64 * PATCHES) as usize);
+    let lighting = Lighting::new(&scene.lights, None, scene.origin, 0);
+    let direct: Vec<Vec3> = patches
+        .par_iter()
+        .map(|patch| at_point(&surfaces, &lighting.lamps, patch.position(), patch.normal))
+        .collect();
+    let began = Instant::now();
+    let solver = AntiradianceSolver::new(&patches, settings, &Pool);
+    let linked = began.elapsed().as_secs_f64();
+    let began = Instant::now();
+    let (truth, _) = solver.solve(&direct, settings, &Pool, &mut ());
+    let on_cpu = began.elapsed().as_secs_f64() / f64::from(settings.iterations);
+
+    let mut light = GpuAntiradiance::new(gpu, pipelines, &solver, settings.iteration)?;
+    light.set_direct(gpu, &direct);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    light.restart(&mut encoder);
+    gpu.queue.submit([encoder.finish()]);
+    read(gpu, &light)?;
+    let began = Instant::now();
+    for _ in 0..settings.iterations {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        light.step(&mut encoder, pipelines);
+        gpu.queue.submit([encoder.finish()]);
+    }
+    let found = read(gpu, &light)?;
+    let on_gpu = began.elapsed().as_secs_f64() / f64::from(settings.iterations);
+    gpu.check()?;
+    Ok(format!(
+        "| `{name}` | {:?} | {} | {} | {} | {} | {linked:.1} | {} | {:.0} | {:.0} | {:.0} | {:.5} |",
+        settings.iteration,
+        solver.bins.count(),
+        solver.hierarchy.elements.len(),
+        solver.links,
+        solver.transfers.transfers.len(),
+        light.waves(),
+        light.bytes() as f64 / 1e6,
+        1e3 * on_cpu,
+        1e3 * on_gpu,
+        solver.difference(&found[..patches.len()], &truth),
+    ))
+}
+
+fn read(gpu: &Gpu, light: &GpuAntiradiance) -> Result<Vec<Vec3>> {
+    let bytes = pollster::block_on(Readback::buffer(gpu, light.irradiance()).wait())?;
+    Ok(bytemuck::cast_slice::<u8, [f32; 4]>(&bytes).iter().map(|cell| Vec3::from_slice(cell)).collect())
+}

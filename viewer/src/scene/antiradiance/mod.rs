@@ -1,0 +1,235 @@
+//! Antiradiance on the GPU: the steps of [`rebounce_shared::antiradiance`] as compute passes.
+//!
+//! * here: buffers, their contents, and the dispatches;
+//! * `pipelines` – the compute pipelines.
+//!
+//! The tables of incident radiance and of exitant intensity stay between frames: light that changes goes on from the light
+//! before, by as many steps a frame as there is time for. A cell of a table is three half floats; intensity is by the square
+//! unit of an element's area, so that patches and clusters are within their range.
+//!
+//! The ordered iteration goes through the elements in [waves](rebounce_shared::antiradiance::waves), a dispatch each; the
+//! symmetric and the asymmetric one through the levels of the hierarchy.
+
+mod pipelines;
+
+pub use pipelines::AntiradiancePipelines;
+
+use crate::error::ViewerError;
+use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group, part};
+use crate::gpu::scope::Scope;
+use crate::gpu::{Gpu, MAX_BINDING};
+use bytemuck::{Pod, Zeroable};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Cells, Iteration, Waves};
+use rebounce_shared::glam::Vec3;
+use std::ops::Range;
+use wgpu::BufferUsages;
+
+/// `Pass` in antiradiance_pass.wgsl.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct BinsUniform {
+    first: u32,
+    count: u32,
+    groups: u32,
+    bins: u32,
+    sine: f32,
+    solid_angle: f32,
+}
+
+/// Bytes between the uniforms of two dispatches.
+const STRIDE: u64 = 256;
+/// Bytes of a cell of the tables.
+const CELL: u64 = 8;
+
+/// A dispatch: the place of its uniform, and its workgroups.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Dispatch {
+    place: u32,
+    groups: [u32; 2],
+}
+
+/// Patches and clusters of a scene, their links, and the light of the steps so far.
+pub struct GpuAntiradiance {
+    iteration: Iteration,
+    /// Steps since the last restart.
+    step: u32,
+    /// By level, from the root on: over all cells of its elements.
+    levels: Vec<Dispatch>,
+    /// Of the ordered iteration, by wave.
+    waves: Vec<Dispatch>,
+    /// Over all elements.
+    elements: Dispatch,
+    /// Over all patches.
+    patches: Dispatch,
+    direct: wgpu::Buffer,
+    incident: wgpu::Buffer,
+    irradiance: wgpu::Buffer,
+    /// Light over links: gather_bins.wgsl by levels, or sweep_bins.wgsl by waves.
+    gather: wgpu::BindGroup,
+    measure: wgpu::BindGroup,
+    reflect: wgpu::BindGroup,
+    leave: wgpu::BindGroup,
+    own: Scope,
+}
+
+impl GpuAntiradiance {
+    /// Uploads the elements and links of a solver; there is no light yet.
+    ///
+    /// # Errors
+    /// [`ViewerError::TooManyElements`] where a table or the links are larger than a binding.
+    pub fn new(
+        gpu: &Gpu,
+        pipelines: &AntiradiancePipelines,
+        solver: &AntiradianceSolver<'_>,
+        iteration: Iteration,
+    ) -> Result<Self, ViewerError> {
+        let (hierarchy, bins) = (&solver.hierarchy, solver.bins.count());
+        let is_ordered = iteration == Iteration::Ordered;
+        let spread = (!is_ordered).then_some(&solver.spread);
+        let cells = Cells::new(&solver.transfers, spread, hierarchy, bins);
+        let waves = if is_ordered { Waves::new(&cells, hierarchy, &solver.bins) } else { Waves::default() };
+        let table = CELL * (hierarchy.elements.len() * bins) as u64;
+        let links = size_of_val(&cells.transfers[..]) as u64;
+        if let Some(bytes) = [table, links].into_iter().find(|bytes| *bytes > MAX_BINDING) {
+            return Err(ViewerError::TooManyElements { bytes, limit: MAX_BINDING });
+        }
+        let own = Scope::new(gpu);
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let stored = |label, bytes: &[u8]| buffer(&own, label, storage, bytes);
+        let empty = |label, bytes| empty_buffer(&own, label, storage, bytes);
+        let elements = stored("elements", bytemuck::cast_slice(&hierarchy.elements));
+        let ways: Vec<[f32; 4]> =
+            solver.bins.directions.iter().map(|way| way.extend(0.0).to_array()).collect();
+        let ways = stored("ways", bytemuck::cast_slice(&ways));
+        let by_patch = |label, cells: Vec<[f32; 4]>| stored(label, bytemuck::cast_slice(&cells));
+        let albedo = solver.patches.iter().map(|patch| patch.albedo.extend(0.0).to_array()).collect();
+        let albedo = by_patch("albedo", albedo);
+        let dark = |normalisation: &f32| [0.0, 0.0, 0.0, *normalisation];
+        let radiance = by_patch("radiance", solver.normalisations.iter().map(dark).collect());
+        let offsets = stored("offsets", bytemuck::cast_slice(&cells.offsets));
+        let transfers = stored("transfers", bytemuck::cast_slice(&cells.transfers));
+        let [incident, exitant] = ["incident", "exitant"].map(|label| empty(label, table));
+        let [direct, irradiance] =
+            ["direct", "irradiance"].map(|label| empty(label, 16 * solver.patches.len() as u64));
+        let items = stored("items", bytemuck::cast_slice(&waves.items));
+
+        let constants = BinsUniform {
+            bins: bins as u32,
+            sine: solver.bins.sine(),
+            solid_angle: solver.bins.solid_angle(),
+            ..BinsUniform::default()
+        };
+        let mut uniforms = Vec::new();
+        let mut dispatch = |range: Range<usize>, threads: usize| {
+            let place = uniforms.len() as u32;
+            let groups = grid((threads as u32).div_ceil(WORKGROUP));
+            let (first, count) = (range.start as u32, range.len() as u32);
+            let uniform = BinsUniform { first, count, groups: groups[0], ..constants };
+            uniforms.extend_from_slice(bytemuck::bytes_of(&uniform));
+            uniforms.resize(uniforms.len().next_multiple_of(STRIDE as usize), 0);
+            Dispatch { place, groups }
+        };
+        let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
+        let levels = levels.map(|level| dispatch(level.clone(), level.len() * bins)).collect();
+        let [all_elements, all_patches] =
+            [hierarchy.elements.len(), solver.patches.len()].map(|count| dispatch(0..count, count));
+        let waves = waves.starts.windows(2).map(|wave| {
+            let items = wave[0] as usize..wave[1] as usize;
+            dispatch(items.clone(), items.len())
+        });
+        let waves = waves.collect();
+        let uniforms = buffer(&own, "passes", BufferUsages::UNIFORM, &uniforms);
+
+        let make = |label: &str, layout, buffers: &[&wgpu::Buffer]| {
+            let mut resources = vec![part(&uniforms, size_of::<BinsUniform>() as u64)];
+            resources.extend([&elements, &ways].map(|buffer| buffer.as_entire_binding()));
+            resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+            group(&own, label, layout, &resources)
+        };
+        let gather = if is_ordered {
+            let swept = [&items, &offsets, &transfers, &radiance, &incident, &exitant];
+            make("sweep bins", &pipelines.sweep.0, &swept)
+        } else {
+            make("gather bins", &pipelines.gather.0, &[&offsets, &transfers, &exitant, &incident])
+        };
+        let measure = make("measure bins", &pipelines.measure.0, &[&incident, &radiance, &irradiance]);
+        let reflected = [&albedo, &direct, &irradiance, &radiance];
+        let reflect = make("reflect patches", &pipelines.reflect.0, &reflected);
+        let leave = make("leave bins", &pipelines.leave.0, &[&radiance, &incident, &exitant]);
+        Ok(Self {
+            iteration,
+            step: 0,
+            levels,
+            waves,
+            elements: all_elements,
+            patches: all_patches,
+            direct,
+            incident,
+            irradiance,
+            gather,
+            measure,
+            reflect,
+            leave,
+            own,
+        })
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
+    }
+
+    /// Bounced irradiance by patch: RGB, and a fourth number.
+    pub fn irradiance(&self) -> &wgpu::Buffer {
+        &self.irradiance
+    }
+
+    /// Steps since the last restart.
+    pub fn steps(&self) -> u32 {
+        self.step
+    }
+
+    /// Waves of a step of the ordered iteration; 0 of the others.
+    pub fn waves(&self) -> usize {
+        self.waves.len()
+    }
+
+    /// Sets the direct irradiance of the patches; steps go on from the light before.
+    pub fn set_direct(&self, gpu: &Gpu, direct: &[Vec3]) {
+        let rows: Vec<[f32; 4]> = direct.iter().map(|light| light.extend(0.0).to_array()).collect();
+        gpu.queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&rows));
+    }
+
+    /// Encodes the beginning: no light has bounced yet.
+    pub fn restart(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.step = 0;
+        encoder.clear_buffer(&self.incident, 0, None);
+        encoder.clear_buffer(&self.irradiance, 0, None);
+    }
+
+    /// Encodes a step: local pass and pull, global pass and push or a sweep, irradiance.
+    pub fn step(&mut self, encoder: &mut wgpu::CommandEncoder, pipelines: &AntiradiancePipelines) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        // What the step before has brought is reflected now, with the direct light of now.
+        if self.step == 0 || self.iteration.reflects(self.step - 1) {
+            pass.set_pipeline(&pipelines.reflect.1);
+            run(&mut pass, &self.reflect, self.patches);
+        }
+        pass.set_pipeline(&pipelines.leave.1);
+        self.levels.iter().rev().for_each(|level| run(&mut pass, &self.leave, *level));
+        let (pipeline, dispatches) = match self.iteration {
+            Iteration::Ordered => (&pipelines.sweep.1, &self.waves),
+            Iteration::Symmetric | Iteration::Asymmetric(_) => (&pipelines.gather.1, &self.levels),
+        };
+        pass.set_pipeline(pipeline);
+        dispatches.iter().for_each(|dispatch| run(&mut pass, &self.gather, *dispatch));
+        pass.set_pipeline(&pipelines.measure.1);
+        run(&mut pass, &self.measure, self.elements);
+        self.step += 1;
+    }
+}
+
+fn run(pass: &mut wgpu::ComputePass<'_>, bound: &wgpu::BindGroup, dispatch: Dispatch) {
+    pass.set_bind_group(0, bound, &[dispatch.place]);
+    pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+}
