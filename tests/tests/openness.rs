@@ -11,7 +11,7 @@ use rebounce::verify::render::{Content, render};
 use rebounce_shared::baked::BakedScene;
 use rebounce_tests::small::small;
 
-const SIZE: [u32; 2] = [112, 84];
+const SIZE: [u32; 2] = [160, 120];
 
 /// Returns bounced light on the CPU, without and with detail, then the same for the viewer; `None` without an
 /// adapter.

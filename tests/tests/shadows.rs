@@ -11,7 +11,7 @@ use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
 use rebounce_shared::light::Light;
 
-const SIZE: u32 = 120;
+const SIZE: u32 = 160;
 /// Maximum distance of a shadow's edge from the CPU's edge, pixels: the filter is up to two texels wide.
 const NEAR: u32 = 3;
 /// Tolerance away from edges, as shares of the CPU's pixel and of the picture's mean.

@@ -14,9 +14,9 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::tone::neutral;
 use rebounce_tests::small::small;
 
-const SIZE: [u32; 2] = [112, 63];
+const SIZE: [u32; 2] = [160, 90];
 /// Number of pictures, and the turn between pictures in degrees: under half a pixel.
-const PICTURES: u32 = 4;
+const PICTURES: u32 = 5;
 const STEP: f64 = 0.25;
 /// Maximum ratio of change, viewer to CPU.
 const MORE: f64 = 1.2;

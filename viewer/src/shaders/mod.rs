@@ -202,8 +202,10 @@ mod tests {
                 .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
             naga::valid::Validator::new(
                 naga::valid::ValidationFlags::all(),
-                // What WebGPU has without any feature: cube arrays are naga's capability for OpenGL's sake.
-                naga::valid::Capabilities::CUBE_ARRAY_TEXTURES,
+                // What WebGPU has without any feature: cube arrays, and packing of half floats, are naga's capabilities for
+                // OpenGL's sake.
+                naga::valid::Capabilities::CUBE_ARRAY_TEXTURES
+                    | naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32,
             )
             .validate(&module)
             .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));

@@ -43,7 +43,7 @@ const CELL: u64 = 8;
 
 /// A dispatch: the place of its uniform, and its workgroups.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Dispatch {
+struct BinsDispatch {
     place: u32,
     groups: [u32; 2],
 }
@@ -54,13 +54,13 @@ pub struct GpuAntiradiance {
     /// Steps since the last restart.
     step: u32,
     /// By level, from the root on: over all cells of its elements.
-    levels: Vec<Dispatch>,
+    levels: Vec<BinsDispatch>,
     /// Of the ordered iteration, by wave.
-    waves: Vec<Dispatch>,
+    waves: Vec<BinsDispatch>,
     /// Over all elements.
-    elements: Dispatch,
+    elements: BinsDispatch,
     /// Over all patches.
-    patches: Dispatch,
+    patches: BinsDispatch,
     direct: wgpu::Buffer,
     incident: wgpu::Buffer,
     irradiance: wgpu::Buffer,
@@ -127,7 +127,7 @@ impl GpuAntiradiance {
             let uniform = BinsUniform { first, count, groups: groups[0], ..constants };
             uniforms.extend_from_slice(bytemuck::bytes_of(&uniform));
             uniforms.resize(uniforms.len().next_multiple_of(STRIDE as usize), 0);
-            Dispatch { place, groups }
+            BinsDispatch { place, groups }
         };
         let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
         let levels = levels.map(|level| dispatch(level.clone(), level.len() * bins)).collect();
@@ -229,7 +229,7 @@ impl GpuAntiradiance {
     }
 }
 
-fn run(pass: &mut wgpu::ComputePass<'_>, bound: &wgpu::BindGroup, dispatch: Dispatch) {
+fn run(pass: &mut wgpu::ComputePass<'_>, bound: &wgpu::BindGroup, dispatch: BinsDispatch) {
     pass.set_bind_group(0, bound, &[dispatch.place]);
     pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
 }
