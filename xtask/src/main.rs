@@ -158,7 +158,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("refine") => refine::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
-        Some("npm") => npm::build(npm::FAST),
+        Some("npm") => npm::build(),
         Some("package") => package::run(),
         Some("site") => site::run(&args[1..]),
         Some("help" | "--help" | "-h") => {

@@ -36,21 +36,16 @@ struct Platform {
     program: String,
 }
 
-/// Profile of the package that users install.
-pub const FAST: &str = "npm";
-/// Profile of the baker in web pages: in tests, most of it is compiled already.
-pub const TESTED: &str = "web-baker";
-
-/// Builds baker/npm/dist: the modules of the package, the baker by this profile.
+/// Builds baker/npm/dist: the modules of the package.
 ///
 /// # Errors
 /// If a tool is missing or fails.
-pub fn build(profile: &str) -> Result<()> {
+pub fn build() -> Result<()> {
     install::ensure(&install::NODE)?;
     web::npm()?;
     let npm = process::root().join("baker/npm");
     let (pkg, dist) = (npm.join("pkg"), npm.join("dist"));
-    let wasm = web::baker_wasm(toolchain::find()?, profile, &["--features", "command,step"])?;
+    let wasm = web::baker_wasm(toolchain::find()?, "npm", &["--features", "command,step"])?;
     bindgen::module(&wasm, web::BAKER, bindgen::FROM_MODULE, &pkg)?;
     let node = |args: &[&Path]| process::run(Command::new("node").args(args).current_dir(&npm));
     node(&[Path::new("generate.mjs"), &pkg, &npm.join("src/options.ts")])?;

@@ -31,7 +31,7 @@ pub struct Tarballs {
 /// If a tool is missing or fails.
 pub fn run() -> Result<()> {
     web::build()?;
-    npm::build(npm::FAST)?;
+    npm::build()?;
     let mut cargo = process::cargo();
     cargo.args(["build", "--locked", "--release", "--package", "rebounce-cli"]);
     // Half of the program is names of lines, which only its authors need.

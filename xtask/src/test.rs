@@ -126,7 +126,7 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
-        npm::build(npm::TESTED)?;
+        npm::build()?;
         let Tarballs { viewer, command, native } = package::pack(&bin("rebounce"))?;
         node.arg("--package").arg(&work).arg(bin("rebounce")).args([viewer, command]);
         node.arg(native.unwrap_or_else(|| "none".into()));
