@@ -40,3 +40,56 @@ fn a_solved_file_is_listed_mixed_and_refuses_a_lamp_elsewhere() {
     }
     assert!(!at.join("moved.png").exists());
 }
+
+#[test]
+fn antiradiance_has_the_same_file_at_any_number_of_threads_and_takes_its_options() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let solve = |out: &str, more: &[&str]| {
+        let few = ["--solver", "antiradiance", "--bins", "64", "--elements", "400", "--functions", "600"];
+        let report = format!("{out}.json");
+        done(
+            at,
+            &[&["solve", "builtin:cornell-box", "-o", out, "--report", &report], &few[..], more].concat(),
+        );
+        let report: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(at.join(report)).unwrap()).unwrap();
+        (std::fs::read(at.join(out)).unwrap(), report["antiradiance"].clone())
+    };
+    let (one, figures) = solve("one.rbn", &["--threads", "1"]);
+    let (two, _) = solve("two.rbn", &["--threads", "2"]);
+    assert!(one == two, "the file depends on the number of threads");
+    let [bins, patches, elements, links] =
+        ["bins", "patches", "elements", "links"].map(|name| figures[name].as_u64().unwrap());
+    assert!(bins == 64 && patches > 200 && elements > patches && links > elements, "{figures}");
+    // Other ways to the light: each differs from all, and takes the steps that it is given.
+    let steps = ["--iterations", "3", "--change", "0"];
+    let mut found = Vec::new();
+    for more in [
+        &["--iteration", "ordered"][..],
+        &["--iteration", "symmetric"],
+        &["--iteration", "symmetric", "--spreading", "gaussian"],
+        &["--iteration", "asymmetric", "--antiradiance-steps", "2"],
+        &["--link-width", "1"],
+    ] {
+        let (other, figures) = solve("other.rbn", &[&steps[..], more].concat());
+        assert_eq!(figures["iterations"].as_u64(), Some(3), "{more:?}");
+        assert!(!found.contains(&other), "{more:?} changes nothing");
+        found.push(other);
+    }
+    let refused = rebounce(
+        at,
+        &[
+            "solve",
+            "builtin:cornell-box",
+            "-o",
+            "no.rbn",
+            "--solver",
+            "antiradiance",
+            "--spreading",
+            "gaussian",
+        ],
+    );
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(said(&refused).contains("--iteration symmetric") && !at.join("no.rbn").exists());
+}

@@ -119,7 +119,7 @@ pub struct AntiradianceReport {
     pub push_pull_seconds: f64,
     /// Difference of each step's irradiance from the last step's, a share of it, of the last group of light.
     pub differences: Vec<f32>,
-    /// Bytes of the tables of radiance and intensity, and of the form factors.
+    /// Bytes of the tables of radiance and intensity, of the form factors, and of what orders them.
     pub bytes: u64,
 }
 

@@ -6,6 +6,7 @@ use super::links::Links;
 use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};
+use super::transfer::Transfer;
 use super::transfers::{Exchange, Spreading, Transfers};
 use super::transport::{global_pass, pull, push};
 use super::workers::Workers;
@@ -132,6 +133,16 @@ impl<'a> AntiradianceSolver<'a> {
         let spread = Spread::new(&bins);
         let (links, ordered) = (links.count(), OnceLock::new());
         Self { patches, hierarchy, bins, links, transfers, spread, normalisations, ordered }
+    }
+
+    /// Bytes of the tables of an iteration, of the form factors, and of what orders them.
+    pub fn bytes(&self, iteration: Iteration) -> usize {
+        let cells = self.hierarchy.elements.len() * self.bins.count();
+        let transfers = self.transfers.transfers.len();
+        let tables = 2 * cells * size_of::<Vec3>() + transfers * size_of::<Transfer>();
+        // Order and offset of each cell; sender and factor of each transfer.
+        let ordered = 2 * cells * size_of::<u32>() + transfers * (size_of::<u32>() + size_of::<f32>());
+        if iteration == Iteration::Ordered { tables + ordered } else { tables }
     }
 
     /// Irradiance of the patches that bounced from others, for the `direct` irradiance of each. The direct light makes no

@@ -17,7 +17,9 @@ use crate::transport::radiosity::{FixedSolution, GroupSource, linked_irradiance,
 use crate::transport::sources::SourceSettings;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Transfer, Workers};
+use rebounce_shared::antiradiance::{
+    AntiradianceSolver, Iteration, Patch, SolverSettings, Transfer, Workers,
+};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Share of the elements that are patches; the rest are clusters.
@@ -90,7 +92,8 @@ impl Antiradiance<'_> {
         }
         let begin = clock::wall();
         let solver = AntiradianceSolver::new(&patches, &self.settings.solver, &Pool);
-        let mut work = work_of(&solver, (clock::wall() - begin).as_secs_f64());
+        let mut work =
+            work_of(&solver, self.settings.solver.iteration, (clock::wall() - begin).as_secs_f64());
         let finest = Finest::new(points);
         let near_points = Near::new(&finest.places, finest.spacing);
         let mut out =
@@ -145,18 +148,15 @@ fn solve_one(
     Ok(found)
 }
 
-fn work_of(solver: &AntiradianceSolver<'_>, link_seconds: f64) -> AntiradianceWork {
-    let (elements, bins) = (solver.hierarchy.elements.len(), solver.bins.count());
-    let transfers = solver.transfers.transfers.len();
-    let tables = 2 * elements * bins * size_of::<Vec3>();
+fn work_of(solver: &AntiradianceSolver<'_>, iteration: Iteration, link_seconds: f64) -> AntiradianceWork {
     AntiradianceWork {
-        bins,
+        bins: solver.bins.count(),
         patches: solver.patches.len(),
-        elements,
+        elements: solver.hierarchy.elements.len(),
         links: solver.links,
-        transfers,
+        transfers: solver.transfers.transfers.len(),
         link_seconds,
-        bytes: (tables + transfers * size_of::<Transfer>()) as u64,
+        bytes: solver.bytes(iteration) as u64,
         ..AntiradianceWork::default()
     }
 }

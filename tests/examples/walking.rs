@@ -1,0 +1,300 @@
+//! Bounced light around a walking figure, by several ways, against path tracing, as a table of Markdown:
+//!
+//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`
+//!
+//! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at patches of the room:
+//!
+//! * `operator`: the baked operator, direct light with the figure's shadow;
+//! * `antiradiance`: room and figure by antiradiance;
+//! * `difference`: the operator's light, and the difference of two antiradiance solutions, with the figure and without;
+//! * `first bounces`: the operator's light, and what the figure changes of one transport of that light, by antiradiance; what
+//!   that changes in turn goes through the operator.
+
+use anyhow::{Context, Result};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
+use rebounce::io::LoadOptions;
+use rebounce::io::files::Memory;
+use rebounce::light::direct::{at_footprint, at_hit, at_point};
+use rebounce::scene::Scene;
+use rebounce::transport::antiradiance::near::{AreaPoint, Near};
+use rebounce::transport::antiradiance::patches_of;
+use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Transfer, Workers};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::LightSource;
+use rebounce_shared::lighting::Lighting;
+use rebounce_shared::random::Stream;
+use rebounce_shared::relight;
+use rebounce_tests::figure;
+use std::f32::consts::FRAC_1_PI;
+
+/// Patches where the light is compared, and paths from each for one of two estimates.
+const PLACES: usize = 400;
+const PATHS: u64 = 512;
+/// Patches nearer to the figure than this are compared apart, metres.
+const NEAR: f32 = 1.0;
+/// Surfaces that a path meets at most.
+const BOUNCES: u32 = 12;
+/// Sweeps of the light that the figure changes.
+const SWEEPS: u32 = 6;
+/// How far a patch or a point has a weight, in sides of a square of its mean area.
+const REACH: f32 = 2.0;
+
+/// All threads.
+struct Pool;
+
+impl Workers for Pool {
+    fn rows(&self, table: &mut [Vec3], width: usize, each: &(dyn Fn(usize, &mut [Vec3]) + Sync)) {
+        table.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(i, row)| each(i, row));
+    }
+
+    fn lists(&self, count: usize, each: &(dyn Fn(usize) -> Vec<Transfer> + Sync)) -> Vec<Vec<Transfer>> {
+        (0..count).into_par_iter().map(each).collect()
+    }
+}
+
+/// An empty room with its operator.
+struct Room {
+    scene: Scene,
+    baked: BakedScene,
+    patches: Vec<Patch>,
+    points: Vec<AreaPoint>,
+    settings: SolverSettings,
+}
+
+fn main() -> Result<()> {
+    let (mut poses, mut bins, mut elements, mut functions) = (10, 128, 6_000, 6_000);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let number = arguments.next().with_context(|| format!("{argument} needs a number"))?;
+        let number: usize = number.parse().with_context(|| number)?;
+        match argument.as_str() {
+            "--poses" => poses = number,
+            "--bins" => bins = number,
+            "--elements" => elements = number,
+            "--functions" => functions = number,
+            _ => anyhow::bail!("there are --poses, --bins, --elements and --functions"),
+        }
+    }
+    let room = Room::new(bins, elements, functions)?;
+    println!(
+        "Relative RMS of the irradiance at {PLACES} patches of the room, and the bias; the same of those within\n\
+         {NEAR} m of the figure.\n"
+    );
+    println!("| seconds | patches | operator | antiradiance | difference | first bounces |");
+    println!("|---|---|---|---|---|---|");
+    for pose in 0..poses {
+        let time = figure::SECONDS * (pose as f64 + 0.5) / poses as f64;
+        println!("{}", room.row(time)?);
+    }
+    Ok(())
+}
+
+impl Room {
+    fn new(bins: usize, elements: usize, functions: usize) -> Result<Self> {
+        let mut scene = rebounce::io::load("builtin:cornell-box")?;
+        // Two triangles a quad: the two blocks are last.
+        let walls = scene.triangle_material.len() - 20;
+        scene.triangle_material.truncate(walls);
+        scene.triangles.truncate(walls);
+        if !scene.corner_colors.is_empty() {
+            scene.corner_colors.truncate(walls);
+        }
+        let mut settings = BakeSettings::new(Preset::Draft);
+        settings.place.functions = functions;
+        let (baked, _) = bake(&scene, &settings.normalised(), &())?;
+        let finest = baked.display().map(|i| &baked.points[i]);
+        let points = finest
+            .map(|point| AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 })
+            .collect();
+        let patches = patches_of(&scene, elements);
+        let settings = SolverSettings { bins, ..SolverSettings::default() };
+        Ok(Self { scene, baked, patches, points, settings })
+    }
+
+    fn row(&self, time: f64) -> Result<String> {
+        let (whole, figure) = self.with_figure(time)?;
+        let surfaces = TriangleSurfaces::simplified(&whole);
+        let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
+        let count = self.patches.len();
+        let mut patches = self.patches.clone();
+        patches.extend(figure);
+        let direct: Vec<Vec3> = patches
+            .par_iter()
+            .map(|patch| {
+                let places = patch.sixteenths();
+                let light = places.map(|place| at_point(&surfaces, &lamps, place, patch.normal));
+                light.into_iter().sum::<Vec3>() / places.len() as f32
+            })
+            .collect();
+        let seen: Vec<usize> = (0..PLACES).map(|i| i * count / PLACES).collect();
+        let truth = [0, 1].map(|seed| {
+            let path = |i: &usize| traced(&surfaces, &lamps, &patches[*i], seed);
+            seen.par_iter().map(path).collect::<Vec<_>>()
+        });
+
+        let by_operator = self.operator(&surfaces, &lamps);
+        let alone = AntiradianceSolver::new(&self.patches, &self.settings, &Pool);
+        let both = AntiradianceSolver::new(&patches, &self.settings, &Pool);
+        let without = alone.solve(&direct[..count], &self.settings, &Pool, &mut ()).0;
+        let with = both.solve(&direct, &self.settings, &Pool, &mut ()).0;
+        let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + with[i] - without[i]).collect();
+        let first = self.first_bounces(&direct, &by_operator, [&alone, &both]);
+        let away = |i: usize| {
+            let place = patches[i].position();
+            patches[count..]
+                .iter()
+                .map(|patch| patch.position().distance(place))
+                .fold(f32::INFINITY, f32::min)
+        };
+        let all: Vec<Compared> = seen
+            .iter()
+            .enumerate()
+            .map(|(place, i)| Compared {
+                patch: *i,
+                area: patches[*i].area(),
+                truth: truth.each_ref().map(|t| t[place]),
+            })
+            .collect();
+        let near: Vec<Compared> = all.iter().copied().filter(|place| away(place.patch) < NEAR).collect();
+        let columns = [&by_operator, &with, &difference, &first].map(|found| {
+            let [[error, bias], [error_near, bias_near]] =
+                [&all, &near].map(|places| compared(places, found));
+            format!("{error:.3}, {bias:+.3}; {error_near:.3}, {bias_near:+.3}")
+        });
+        Ok(format!("| {time:.2} | {} | {} |", patches.len(), columns.join(" | ")))
+    }
+
+    /// The room with the figure, and the figure's patches in the room's local space.
+    fn with_figure(&self, time: f64) -> Result<(Scene, Vec<Patch>)> {
+        let files = Memory::from_iter([("figure.glb", figure::glb())]);
+        let pose = Some(rebounce::io::PoseOption { animation: None, time });
+        let options = LoadOptions { pose, ..LoadOptions::default() };
+        let figure = rebounce::io::load_from(&files, "figure.glb".as_ref(), &options)?;
+        let at = DVec3::new(0.5, 0.0, -4.9);
+        let shift = (DVec3::from(figure.origin) + at - DVec3::from(self.scene.origin)).as_vec3();
+        let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
+        let patches = patches_of(&figure, 1).into_iter().map(moved).collect();
+        let mut whole = self.scene.clone();
+        whole.add(figure, at)?;
+        Ok((whole, patches))
+    }
+
+    /// Irradiance of the room's patches by the operator.
+    fn operator(&self, surfaces: &TriangleSurfaces, lamps: &[LightSource]) -> Vec<Vec3> {
+        let points = &self.baked.points[..self.baked.direct_count()];
+        let direct = points.par_iter().map(|point| at_footprint(surfaces, lamps, point)).collect();
+        self.at_patches(&relight::relight(&self.baked, direct))
+    }
+
+    /// Values of points at the patches of the room.
+    fn at_patches(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let area: f32 = self.patches.iter().map(Patch::area).sum();
+        let near = Near::new(&self.points, REACH * (area / self.points.len() as f32).sqrt());
+        let finest = &values[self.baked.display()];
+        let at = |patch: &Patch| near.mean(patch.position(), patch.normal, finest).unwrap_or(Vec3::ZERO);
+        self.patches.par_iter().map(at).collect()
+    }
+
+    /// Values of patches of the room at the points that direct light is evaluated at.
+    fn at_points(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let area_point = |patch: &Patch| AreaPoint {
+            position: patch.position(),
+            normal: patch.normal,
+            area: patch.area(),
+        };
+        let places: Vec<AreaPoint> = self.patches.iter().map(area_point).collect();
+        let area: f32 = places.iter().map(|place| place.area).sum();
+        let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
+        let points = &self.baked.points[..self.baked.direct_count()];
+        let at = |point: &rebounce_shared::rbn::bulk::Point| {
+            near.mean(point.position(), point.normal(), values).unwrap_or(Vec3::ZERO)
+        };
+        points.par_iter().map(at).collect()
+    }
+
+    /// The operator's light, what the figure changes of one transport of it, and the bounces of that change.
+    fn first_bounces(
+        &self,
+        direct: &[Vec3],
+        by_operator: &[Vec3],
+        [alone, both]: [&AntiradianceSolver<'_>; 2],
+    ) -> Vec<Vec3> {
+        let count = self.patches.len();
+        let given: Vec<Vec3> = (0..count).map(|i| direct[i] + by_operator[i]).collect();
+        let [without, with] = [alone, both].map(|solver| transported(solver, &given, &direct[count..]));
+        let change: Vec<Vec3> = (0..count).map(|i| with[i] - without[i]).collect();
+        let bounced = self.at_patches(&relight::relight(&self.baked, self.at_points(&change)));
+        (0..count).map(|i| by_operator[i] + change[i] + bounced[i]).collect()
+    }
+}
+
+/// A patch where the light is compared, with both estimates of it.
+#[derive(Clone, Copy)]
+struct Compared {
+    patch: usize,
+    area: f32,
+    truth: [Vec3; 2],
+}
+
+/// Relative RMS without the noise of the estimates, and the bias as a share of the mean.
+fn compared(places: &[Compared], found: &[Vec3]) -> [f32; 2] {
+    let (mut off, mut power, mut sums) = (0.0, 0.0, [0.0, 0.0]);
+    for place in places {
+        let ([a, b], own) = (place.truth, found[place.patch]);
+        off += place.area * (own - a).dot(own - b);
+        power += place.area * a.dot(b);
+        sums[0] += place.area * own.element_sum();
+        sums[1] += 0.5 * place.area * (a + b).element_sum();
+    }
+    [(off.max(0.0) / power).sqrt(), sums[0] / sums[1] - 1.0]
+}
+
+/// One transport of the light of the first patches, whose irradiance is `given`, by antiradiance. The others reflect what comes
+/// to them, and their own direct light.
+fn transported(solver: &AntiradianceSolver<'_>, given: &[Vec3], direct: &[Vec3]) -> Vec<Vec3> {
+    let AntiradianceSolver { patches, hierarchy, bins, normalisations, .. } = solver;
+    let scene = SweepScene { patches, hierarchy, bins, normalisations };
+    let sweep = Sweep::new(&scene, &solver.transfers);
+    let mut table = vec![Vec3::ZERO; 2 * hierarchy.elements.len() * bins.count()];
+    let mut found = vec![Vec3::ZERO; patches.len()];
+    for _ in 0..SWEEPS {
+        let radiance: Vec<Vec3> = (0..patches.len())
+            .map(|i| {
+                let light = given.get(i).copied().unwrap_or_else(|| direct[i - given.len()] + found[i]);
+                FRAC_1_PI * patches[i].albedo * light
+            })
+            .collect();
+        sweep.run(&scene, &radiance, &mut table, &Pool);
+        Sweep::irradiance(&scene, &table, &mut found, &Pool);
+    }
+    found
+}
+
+/// Bounced irradiance of a patch by paths from places on it.
+fn traced(surfaces: &TriangleSurfaces, lamps: &[LightSource], patch: &Patch, seed: u64) -> Vec3 {
+    let id = patch.position().to_array().map(f32::to_bits);
+    let mut stream = Stream::new(seed, u64::from(id[0]) << 32 ^ u64::from(id[1]) << 16 ^ u64::from(id[2]));
+    let places = patch.sixty_fourths();
+    let mut sum = Vec3::ZERO;
+    for path in 0..PATHS {
+        let mut origin = places[path as usize % places.len()] + surfaces.epsilon() * patch.normal;
+        let (mut normal, mut weight) = (patch.normal, Vec3::ONE);
+        for _ in 0..BOUNCES {
+            let direction = stream.cosine_hemisphere(normal);
+            let cast = (stream.unit() * u32::MAX as f32) as u32;
+            let Some(hit) = surfaces.cast(&Ray::visibility(origin, direction), cast) else { break };
+            weight *= hit.albedo;
+            if weight == Vec3::ZERO {
+                break;
+            }
+            sum += weight * at_hit(surfaces, lamps, &hit);
+            (origin, normal) = (hit.offset_origin(-direction, surfaces.epsilon_at(hit.position)), hit.normal);
+        }
+    }
+    sum / PATHS as f32
+}
