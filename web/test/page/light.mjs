@@ -73,7 +73,7 @@ export async function light(harness, context) {
         const told = [];
         for (const way of ["lookup", "splat", "auto"]) {
           viewer.setAttribute("display", way);
-          pictures.push(await viewer.readIndirect(96, 54));
+          pictures.push(await viewer.readIndirect(160, 90));
           told.push(viewer.stats().display);
         }
         viewer.removeAttribute("display");
