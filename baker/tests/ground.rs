@@ -183,7 +183,7 @@ fn rooms_have_one_radius() {
 }
 
 #[test]
-#[ignore = "takes minutes of processor time: docs/dev/testing.md"]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn a_stray_changes_nothing() {
     let mut blocks = vec![
         Block(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0), true),

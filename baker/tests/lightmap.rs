@@ -101,9 +101,9 @@ fn rooms_of_polygons_have_the_same_light_by_texels_as_by_points() {
 }
 
 #[test]
-#[ignore = "takes minutes of processor time: docs/dev/testing.md"]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn exact_faces_copies_and_backs_have_charts_of_their_own() {
-    for name in ["teapot", "chess"] {
+    for name in ["teapot", "chess", "opera"] {
         let scene = rebounce::io::load(&format!("builtin:{name}")).unwrap();
         let (file, _) = solved(&scene, coarse());
         assert_eq!(charted(&file), file.indices.len(), "{name}");

@@ -50,7 +50,7 @@ fn in_a_shining_furnace_all_ways_find_the_same_even_light() {
 }
 
 #[test]
-#[ignore = "takes minutes of processor time: docs/dev/testing.md"]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn rays_and_cube_maps_show_a_ball_as_the_path_tracer_does() {
     // Functions of a small bake, and metals that scatter like chalk in transport.
     const MOST: f64 = 0.03;

@@ -10,12 +10,22 @@ fn baked(spec: &str, preset: Preset) -> (usize, usize) {
     (file.to_bytes().unwrap().len(), file.points.len())
 }
 
+/// Looks at a room without textures: the file is light transport, except for a few thousand bytes.
+fn takes_at_most_seventy_bytes_a_function(spec: &str) {
+    let (bytes, functions) = baked(spec, Preset::Draft);
+    let each = bytes as f64 / functions as f64;
+    assert!((20.0..=70.0).contains(&each), "{spec}: {each:.1} bytes for each of {functions} functions");
+}
+
 #[test]
 fn a_function_with_its_links_takes_at_most_seventy_bytes() {
-    // A room without textures: the file is light transport, except for a few thousand bytes.
-    let (bytes, functions) = baked("builtin:cornell-box", Preset::Draft);
-    let each = bytes as f64 / functions as f64;
-    assert!((20.0..=70.0).contains(&each), "{each:.1} bytes for each of {functions} functions");
+    takes_at_most_seventy_bytes_a_function("builtin:cornell-box");
+}
+
+#[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
+fn a_function_of_many_rooms_takes_at_most_seventy_bytes() {
+    takes_at_most_seventy_bytes_a_function("builtin:apartment");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Figures of antiradiance on the GPU as a table of Markdown, for `cargo xtask bench-antiradiance`: the columns of Tables 1
-//! and 2 of Dachsbacher et al. 2007.
+//! Figures of antiradiance on the GPU as a table of Markdown: what Tables 1 and 2 of Dachsbacher et al. 2007 have, and the
+//! time of whole steps.
 //!
 //! `antiradiance [--bins N] [--elements N] [--steps N] SCENE ...`
 
@@ -7,30 +7,14 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::light::direct::at_point;
-use rebounce::transport::antiradiance::patches_of;
-use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings, Transfer, Workers};
+use rebounce::transport::antiradiance::direct::of_patch;
+use rebounce::transport::antiradiance::{AntiradianceSettings, Pool, patches_of};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings};
 use rebounce_shared::lighting::Lighting;
 use rebounce_viewer::antiradiance::{AntiradiancePipelines, GpuAntiradiance};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
 use std::time::Instant;
-
-/// Share of the elements that are patches.
-const PATCHES: f64 = 0.7;
-
-/// All threads.
-struct Pool;
-
-impl Workers for Pool {
-    fn rows(&self, table: &mut [Vec3], width: usize, each: &(dyn Fn(usize, &mut [Vec3]) + Sync)) {
-        table.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(i, row)| each(i, row));
-    }
-
-    fn lists(&self, count: usize, each: &(dyn Fn(usize) -> Vec<Transfer> + Sync)) -> Vec<Vec<Transfer>> {
-        (0..count).into_par_iter().map(each).collect()
-    }
-}
 
 fn main() -> Result<()> {
     let (mut scenes, mut bins, mut elements, mut steps) = (Vec::new(), 128, 18_000, 8u32);
@@ -49,7 +33,8 @@ fn main() -> Result<()> {
     }
     let gpu = Gpu::headless().context("no adapter")?;
     let pipelines = AntiradiancePipelines::new(&gpu);
-    println!("Steps of {} on {}, links and form factors on the CPU.\n", gpu.adapter, threads());
+    let (adapter, threads) = (&gpu.adapter, rayon::current_num_threads());
+    println!("Steps on {adapter} and on {threads} threads; links and form factors on those.\n");
     println!(
         "| scene | iteration | bins | elements | links | form factors | links, s | waves | MB | CPU, ms a step | GPU, ms a step | GPU against CPU |"
     );
@@ -63,31 +48,25 @@ fn main() -> Result<()> {
                 tolerance: 0.0,
                 ..SolverSettings::default()
             };
-            println!("{}", row(&gpu, &pipelines, scene, elements, &settings)?);
+            let settings = AntiradianceSettings { elements, solver: settings };
+            println!("{}", row(&gpu, &pipelines, scene, &settings)?);
         }
     }
     Ok(())
-}
-
-fn threads() -> String {
-    format!("{} threads", rayon::current_num_threads())
 }
 
 fn row(
     gpu: &Gpu,
     pipelines: &AntiradiancePipelines,
     name: &str,
-    elements: usize,
-    settings: &SolverSettings,
+    settings: &AntiradianceSettings,
 ) -> Result<String> {
     let scene = rebounce::io::load(name)?;
     let surfaces = TriangleSurfaces::simplified(&scene);
-    let patches = patches_of(&scene, (elements as f64 * PATCHES) as usize);
-    let lighting = Lighting::new(&scene.lights, None, scene.origin, 0);
-    let direct: Vec<Vec3> = patches
-        .par_iter()
-        .map(|patch| at_point(&surfaces, &lighting.lamps, patch.position(), patch.normal))
-        .collect();
+    let patches = patches_of(&scene, settings.patches());
+    let settings = &settings.solver;
+    let lamps = Lighting::new(&scene.lights, None, scene.origin, 0).lamps;
+    let direct: Vec<Vec3> = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
     let began = Instant::now();
     let solver = AntiradianceSolver::new(&patches, settings, &Pool);
     let linked = began.elapsed().as_secs_f64();

@@ -18,12 +18,13 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::LoadOptions;
 use rebounce::io::files::Memory;
-use rebounce::light::direct::{at_footprint, at_hit, at_point};
+use rebounce::light::direct::{at_footprint, at_hit};
 use rebounce::scene::Scene;
+use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::near::{AreaPoint, Near};
-use rebounce::transport::antiradiance::patches_of;
+use rebounce::transport::antiradiance::{Pool, patches_of};
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
-use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings, Transfer, Workers};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::LightSource;
 use rebounce_shared::lighting::Lighting;
@@ -43,19 +44,6 @@ const BOUNCES: u32 = 12;
 const SWEEPS: u32 = 6;
 /// How far a patch or a point has a weight, in sides of a square of its mean area.
 const REACH: f32 = 2.0;
-
-/// All threads.
-struct Pool;
-
-impl Workers for Pool {
-    fn rows(&self, table: &mut [Vec3], width: usize, each: &(dyn Fn(usize, &mut [Vec3]) + Sync)) {
-        table.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(i, row)| each(i, row));
-    }
-
-    fn lists(&self, count: usize, each: &(dyn Fn(usize) -> Vec<Transfer> + Sync)) -> Vec<Vec<Transfer>> {
-        (0..count).into_par_iter().map(each).collect()
-    }
-}
 
 /// An empty room with its operator.
 struct Room {
@@ -123,14 +111,7 @@ impl Room {
         let count = self.patches.len();
         let mut patches = self.patches.clone();
         patches.extend(figure);
-        let direct: Vec<Vec3> = patches
-            .par_iter()
-            .map(|patch| {
-                let places = patch.sixteenths();
-                let light = places.map(|place| at_point(&surfaces, &lamps, place, patch.normal));
-                light.into_iter().sum::<Vec3>() / places.len() as f32
-            })
-            .collect();
+        let direct: Vec<Vec3> = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
         let seen: Vec<usize> = (0..PLACES).map(|i| i * count / PLACES).collect();
         let truth = [0, 1].map(|seed| {
             let path = |i: &usize| traced(&surfaces, &lamps, &patches[*i], seed);
@@ -202,12 +183,7 @@ impl Room {
 
     /// Values of patches of the room at the points that direct light is evaluated at.
     fn at_points(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let area_point = |patch: &Patch| AreaPoint {
-            position: patch.position(),
-            normal: patch.normal,
-            area: patch.area(),
-        };
-        let places: Vec<AreaPoint> = self.patches.iter().map(area_point).collect();
+        let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
         let area: f32 = places.iter().map(|place| place.area).sum();
         let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
         let points = &self.baked.points[..self.baked.direct_count()];

@@ -66,7 +66,7 @@ fn different(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
 }
 
 #[test]
-#[ignore = "takes minutes of processor time: docs/dev/testing.md"]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn a_picture_of_copies_is_one_of_things_of_their_own() {
     for alpha in [Alpha::Opaque, Alpha::Blend] {
         let mut room = rebounce::io::from_bytes("crowd", &glb(Said::Instances)).unwrap();

@@ -35,7 +35,7 @@ fn crowd(light: Light) -> BakedScene {
 }
 
 #[test]
-#[ignore = "takes minutes of processor time: docs/dev/testing.md"]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn light_of_moved_nodes_is_the_cpus() {
     let light =
         Light::Point { position: [1.0, 3.6, 0.5], intensity: 30.0, color: [1.0, 0.9, 0.8], radius: 0.0 };

@@ -54,9 +54,14 @@ fn rustdoc() -> Result<()> {
     process::run(command.env("RUSTDOCFLAGS", "--deny warnings"))
 }
 
-/// The library for wasm, without features: with those that a page needs, the page's baker is built.
+/// The library for wasm, without features and with those that need no operating system.
 fn wasm() -> Result<()> {
-    let mut command = toolchain::find()?.cargo("check");
-    command.args(["--package", "rebounce", "--no-default-features", "--profile", "web"]);
-    process::run(command.env("RUSTFLAGS", "--deny warnings"))
+    let toolchain = toolchain::find()?;
+    for features in ["", "gltf,demo-scenes"] {
+        let mut command = toolchain.cargo("check");
+        command.args(["--package", "rebounce", "--no-default-features", "--features", features]);
+        command.args(["--profile", "web"]);
+        process::run(command.env("RUSTFLAGS", "--deny warnings"))?;
+    }
+    Ok(())
 }

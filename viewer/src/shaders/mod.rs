@@ -132,10 +132,10 @@ modules! {
     SEND_LIGHT: "colour" "radiosity_pass" "send_light";
     /// Antiradiance: global pass and push.
     #[cfg(feature = "antiradiance")]
-    GATHER_BINS: "antiradiance_pass" "gather_bins";
+    GATHER_BINS: "antiradiance_pass" "links_bins" "gather_bins";
     /// Antiradiance: a wave of the ordered iteration.
     #[cfg(feature = "antiradiance")]
-    SWEEP_BINS: "antiradiance_pass" "sweep_bins";
+    SWEEP_BINS: "antiradiance_pass" "links_bins" "pull_bins" "sweep_bins";
     /// Antiradiance: irradiance of patches.
     #[cfg(feature = "antiradiance")]
     MEASURE_BINS: "antiradiance_pass" "measure_bins";
@@ -144,7 +144,7 @@ modules! {
     REFLECT_PATCHES: "antiradiance_pass" "reflect_patches";
     /// Antiradiance: light that leaves elements, less what went through them.
     #[cfg(feature = "antiradiance")]
-    LEAVE_BINS: "antiradiance_pass" "leave_bins";
+    LEAVE_BINS: "antiradiance_pass" "pull_bins" "leave_bins";
     /// Dots over the picture.
     OVERLAY: "point" "frame" "overlay";
     /// The lights' handles.

@@ -8,8 +8,16 @@ use crate::transport::radiosity::GroupSource;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::antiradiance::Patch;
+use rebounce_shared::light::LightSource;
 
-/// Irradiance of each patch by one group of light: the mean over the middles of its sixteenths.
+/// Irradiance of a patch by lamps: the mean over the middles of its sixteenths.
+pub fn of_patch<S: Surfaces>(surfaces: &S, lamps: &[LightSource], patch: &Patch) -> Vec3 {
+    let places = patch.sixteenths();
+    let sum: Vec3 = places.iter().map(|place| at_point(surfaces, lamps, *place, patch.normal)).sum();
+    sum / places.len() as f32
+}
+
+/// Irradiance of each patch by one group of light.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -27,9 +35,7 @@ pub fn of_lamps<S: Surfaces>(
         if i % 64 == 0 {
             watch.step(0)?;
         }
-        let places = patch.sixteenths();
-        let sum: Vec3 = places.iter().map(|place| at_point(surfaces, lamps, *place, patch.normal)).sum();
-        Ok(sum / places.len() as f32)
+        Ok(of_patch(surfaces, lamps, patch))
     };
     patches.par_iter().enumerate().map(of_patch).collect()
 }

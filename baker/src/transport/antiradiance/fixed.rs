@@ -3,6 +3,7 @@
 use super::direct::{add_linked, of_lamps};
 use super::figures::{AntiradianceWork, Follower};
 use super::near::{AreaPoint, Near};
+use super::pool::Pool;
 use super::scene_patches::patches_of;
 use crate::geometry::Surfaces;
 use crate::job::Job;
@@ -17,9 +18,7 @@ use crate::transport::radiosity::{FixedSolution, GroupSource, linked_irradiance,
 use crate::transport::sources::SourceSettings;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::antiradiance::{
-    AntiradianceSolver, Iteration, Patch, SolverSettings, Transfer, Workers,
-};
+use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Share of the elements that are patches; the rest are clusters.
@@ -39,6 +38,13 @@ pub struct AntiradianceSettings {
 impl Default for AntiradianceSettings {
     fn default() -> Self {
         Self { elements: 18_000, solver: SolverSettings::default() }
+    }
+}
+
+impl AntiradianceSettings {
+    /// About how many of the elements are patches.
+    pub fn patches(&self) -> usize {
+        ((self.elements as f64 * PATCHES) as usize).max(1)
     }
 }
 
@@ -85,8 +91,7 @@ impl Antiradiance<'_> {
         let count = points.points.len();
         let linked = linked_irradiance(relations, &self.groups, &links, count);
         let watch = job.reporter.begin(Stage::Transport, None);
-        let wanted = (self.settings.elements as f64 * PATCHES) as usize;
-        let patches = patches_of(self.scene, wanted.max(1));
+        let patches = patches_of(self.scene, self.settings.patches());
         if patches.is_empty() {
             return Err(AntiradianceError::Empty);
         }
@@ -98,7 +103,7 @@ impl Antiradiance<'_> {
         let near_points = Near::new(&finest.places, finest.spacing);
         let mut out =
             FixedSolution { bounces: 1, ..FixedSolution::new(count, &self.groups, linked, links.rays) };
-        let of_patches: Vec<AreaPoint> = patches.iter().map(area_point).collect();
+        let of_patches: Vec<AreaPoint> = patches.iter().map(AreaPoint::from).collect();
         let whole: f32 = of_patches.iter().map(|place| place.area).sum();
         let near_patches = Near::new(&of_patches, REACH * (whole / patches.len() as f32).sqrt());
         let mut is_near = vec![true; count];
@@ -161,10 +166,6 @@ fn work_of(solver: &AntiradianceSolver<'_>, iteration: Iteration, link_seconds: 
     }
 }
 
-fn area_point(patch: &Patch) -> AreaPoint {
-    AreaPoint { position: patch.position(), normal: patch.normal, area: patch.area() }
-}
-
 /// The points of the finest level.
 struct Finest {
     places: Vec<AreaPoint>,
@@ -182,18 +183,5 @@ impl Finest {
             .map(|point| AreaPoint { position: point.position, normal: point.normal, area: 1.0 })
             .collect();
         Self { places, first: level.first, spacing: level.support_radius }
-    }
-}
-
-/// The threads of this process.
-struct Pool;
-
-impl Workers for Pool {
-    fn rows(&self, table: &mut [Vec3], width: usize, each: &(dyn Fn(usize, &mut [Vec3]) + Sync)) {
-        table.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(i, row)| each(i, row));
-    }
-
-    fn lists(&self, count: usize, each: &(dyn Fn(usize) -> Vec<Transfer> + Sync)) -> Vec<Vec<Transfer>> {
-        (0..count).into_par_iter().map(each).collect()
     }
 }

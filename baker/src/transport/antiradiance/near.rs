@@ -2,6 +2,7 @@
 //! Dachsbacher et al. 2007, section 4.3).
 
 use glam::{IVec3, Vec3};
+use rebounce_shared::antiradiance::Patch;
 use std::collections::HashMap;
 
 /// Least cosine of normals that face the same way.
@@ -20,6 +21,12 @@ pub struct AreaPoint {
     pub normal: Vec3,
     /// Area, any unit.
     pub area: f32,
+}
+
+impl From<&Patch> for AreaPoint {
+    fn from(patch: &Patch) -> Self {
+        Self { position: patch.position(), normal: patch.normal, area: patch.area() }
+    }
 }
 
 /// Places by cells of a grid.

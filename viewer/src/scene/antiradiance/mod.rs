@@ -147,7 +147,7 @@ impl GpuAntiradiance {
             group(&own, label, layout, &resources)
         };
         let gather = if is_ordered {
-            let swept = [&items, &offsets, &transfers, &radiance, &incident, &exitant];
+            let swept = [&offsets, &transfers, &items, &radiance, &incident, &exitant];
             make("sweep bins", &pipelines.sweep.0, &swept)
         } else {
             make("gather bins", &pipelines.gather.0, &[&offsets, &transfers, &exitant, &incident])

@@ -1,13 +1,6 @@
 // Global pass and push of a level: light over links, and the light of the cluster above; as
 // shared/src/antiradiance/transport.rs, links by cell.
 
-struct CellTransfer {
-    sender: u32,
-    factor: f32,
-}
-
-@group(0) @binding(3) var<storage, read> offsets: array<u32>;
-@group(0) @binding(4) var<storage, read> transfers: array<CellTransfer>;
 // Exitant intensity by area.
 @group(0) @binding(5) var<storage, read> exitant: array<vec2u>;
 @group(0) @binding(6) var<storage, read_write> incident: array<vec2u>;
@@ -21,11 +14,7 @@ fn gather_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
     let cell = pass_.first * pass_.bins + k;
     let own = cell / pass_.bins;
     let bin = cell % pass_.bins;
-    var light = vec3f(0.0);
-    let end = offsets[cell + 1u];
-    for (var at = offsets[cell]; at < end; at++) {
-        light += transfers[at].factor * unpacked(exitant[transfers[at].sender]);
-    }
+    var light = gathered(cell);
     if elements[own].parent != 0xffffffffu {
         let above = unpacked(incident[elements[own].parent * pass_.bins + bin]);
         if elements[own].children > 0u {

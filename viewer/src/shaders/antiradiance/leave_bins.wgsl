@@ -14,16 +14,10 @@ fn leave_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let cell = pass_.first * pass_.bins + k;
     let own = cell / pass_.bins;
     let bin = cell % pass_.bins;
-    let first = elements[own].first;
-    var light = vec3f(0.0);
-    if elements[own].children == 0u {
-        let cosines = bin_cosines(dot(elements[own].normal, ways[bin].xyz));
-        light = leaving(cosines, radiance[first], unpacked(incident[cell]));
-    } else {
-        for (var child = first; child < first + elements[own].children; child++) {
-            light += elements[child].area * unpacked(exitant[child * pass_.bins + bin]);
-        }
-        light /= max(elements[own].area, 1e-30);
+    if elements[own].children > 0u {
+        exitant[cell] = packed(pulled(own, bin));
+        return;
     }
-    exitant[cell] = packed(light);
+    let cosines = bin_cosines(dot(elements[own].normal, ways[bin].xyz));
+    exitant[cell] = packed(leaving(cosines, radiance[elements[own].first], unpacked(incident[cell])));
 }

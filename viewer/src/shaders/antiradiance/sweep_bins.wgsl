@@ -1,14 +1,7 @@
 // A wave of a sweep; as shared/src/antiradiance/sweep.rs, in the order of waves.rs.
 
-struct CellTransfer {
-    sender: u32,
-    factor: f32,
-}
-
 // Cells, and with the topmost bit clusters whose children have left their light.
-@group(0) @binding(3) var<storage, read> items: array<u32>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>;
-@group(0) @binding(5) var<storage, read> transfers: array<CellTransfer>;
+@group(0) @binding(5) var<storage, read> items: array<u32>;
 @group(0) @binding(6) var<storage, read> radiance: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> incident: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> exitant: array<vec2u>;
@@ -23,19 +16,11 @@ fn sweep_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let cell = item & 0x7fffffffu;
     let own = cell / pass_.bins;
     let bin = cell % pass_.bins;
-    let first = elements[own].first;
-    var light = vec3f(0.0);
     if item != cell {
-        for (var child = first; child < first + elements[own].children; child++) {
-            light += elements[child].area * unpacked(exitant[child * pass_.bins + bin]);
-        }
-        exitant[cell] = packed(light / max(elements[own].area, 1e-30));
+        exitant[cell] = packed(pulled(own, bin));
         return;
     }
-    let end = offsets[cell + 1u];
-    for (var at = offsets[cell]; at < end; at++) {
-        light += transfers[at].factor * unpacked(exitant[transfers[at].sender]);
-    }
+    var light = gathered(cell);
     let cosines = bin_cosines(dot(elements[own].normal, ways[bin].xyz));
     let is_patch = elements[own].children == 0u;
     if elements[own].parent != 0xffffffffu {
@@ -43,6 +28,6 @@ fn sweep_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     }
     incident[cell] = packed(light);
     if is_patch {
-        exitant[cell] = packed(leaving(cosines, radiance[first], light));
+        exitant[cell] = packed(leaving(cosines, radiance[elements[own].first], light));
     }
 }
