@@ -66,6 +66,8 @@ pub mod radiosity;
 pub mod random;
 pub mod rbn;
 pub mod relight;
+#[cfg(feature = "radiosity")]
+pub mod rig;
 pub mod shot;
 pub mod smooth;
 pub mod surroundings;
