@@ -22,6 +22,9 @@ pub struct GBuffer {
     pub surface: wgpu::TextureView,
     /// Reversed depth; 0 without a surface.
     pub depth: wgpu::TextureView,
+    /// Where the file has the surfaces of meshes that deform (rest_places.wgsl), if the scene has any.
+    #[cfg(feature = "radiosity")]
+    pub rest: Option<wgpu::TextureView>,
     detailed: bool,
 }
 
@@ -32,7 +35,22 @@ impl GBuffer {
         let surface = target(scope, "surface", SURFACES[detailed as usize], width, height);
         let depth = target(scope, "depth", TextureFormat::Depth32Float, width, height);
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
-        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), detailed }
+        Self {
+            albedo: view(&albedo),
+            surface: view(&surface),
+            depth: view(&depth),
+            #[cfg(feature = "radiosity")]
+            rest: None,
+            detailed,
+        }
+    }
+}
+
+#[cfg(feature = "radiosity")]
+impl GBuffer {
+    /// With a picture of where the file has what deforms.
+    pub fn with_rest(self, rest: Option<wgpu::TextureView>) -> Self {
+        Self { rest, ..self }
     }
 }
 

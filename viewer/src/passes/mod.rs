@@ -5,6 +5,7 @@
 //! * `cached_direct` – the lights whose direct light at the points is evaluated anew;
 //! * `gbuffer` – albedo, normals, material and depth of the visible surfaces;
 //! * `display` – from points to pixels; `lightmap` – from a lightmap to pixels;
+//! * `rest_places` – where the file has what deforms;
 //! * `reflections` – what glossy surfaces reflect;
 //! * `blended` – glass, curtains, decals;
 //! * `composite` – shading, exposure, tone mapping;
@@ -22,6 +23,8 @@ pub mod lightmap;
 pub mod overlay;
 #[cfg(feature = "radiosity")]
 pub mod reflections;
+#[cfg(feature = "radiosity")]
+pub mod rest_places;
 pub mod settings;
 pub mod shadow;
 pub mod timing;

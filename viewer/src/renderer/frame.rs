@@ -32,6 +32,10 @@ impl Renderer {
         if let Some(moving) = &scene.moving {
             moving.upload(&self.gpu, &scene.upload);
         }
+        #[cfg(feature = "radiosity")]
+        if let Some((rig, pipelines)) = scene.rig.as_ref().zip(self.pipelines.rig.get()) {
+            rig.encode(&self.gpu, encoder, pipelines);
+        }
         let parts = Parts { bounced: mode != Mode::Direct, from_sources: mode != Mode::Indirect };
         let is_other = scene.relight.has_sources() && self.parts != parts;
         if is_other {
@@ -172,6 +176,11 @@ impl Renderer {
             &scene.materials.groups,
             stamps,
         );
+        #[cfg(feature = "radiosity")]
+        if let Some(rig) = &scene.rig {
+            let frame = (&target.frame_group, &self.pipelines.gbuffer.frame_layout);
+            self.pipelines.rest_places.draw(&self.gpu, encoder, &target.gbuffer, frame, &scene.upload, rig);
+        }
         if shows_points(scene) {
             let timing = self.timing.as_mut().filter(|_| timed);
             let stamps = timing.and_then(|t| t.stamps(Pass::Find));

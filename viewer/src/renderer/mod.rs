@@ -20,6 +20,8 @@ mod lighting;
 mod moving;
 pub mod pace;
 pub mod pipelines;
+#[cfg(feature = "radiosity")]
+mod posing;
 mod read;
 mod state;
 pub mod stats;

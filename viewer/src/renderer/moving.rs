@@ -108,6 +108,9 @@ impl Renderer {
             return Ok(());
         }
         moving.place(&scene.upload, motions);
+        if let Some(rig) = &scene.rig {
+            rig.renew();
+        }
         self.follow_solver();
         self.shadows.forget();
         self.still.forget();

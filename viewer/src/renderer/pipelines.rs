@@ -11,6 +11,8 @@ use crate::passes::lightmap::LightmapPass;
 use crate::passes::overlay::OverlayPass;
 #[cfg(feature = "radiosity")]
 use crate::passes::reflections::ReflectionsPass;
+#[cfg(feature = "radiosity")]
+use crate::passes::rest_places::RestPlacesPass;
 use crate::passes::shadow::ShadowPipelines;
 use crate::scene::Loaders;
 #[cfg(feature = "radiosity")]
@@ -19,6 +21,8 @@ use crate::scene::materials::material_layout;
 #[cfg(feature = "radiosity")]
 use crate::scene::radiosity::RadiosityPipelines;
 use crate::scene::relight::RelightPipelines;
+#[cfg(feature = "radiosity")]
+use crate::scene::rig::RigPipelines;
 use crate::scene::textures::Mips;
 #[cfg(feature = "radiosity")]
 use std::cell::OnceCell;
@@ -56,6 +60,12 @@ pub struct Pipelines {
     /// Reflections.
     #[cfg(feature = "radiosity")]
     pub reflections: ReflectionsPass,
+    /// Rigs; made for the first scene with one.
+    #[cfg(feature = "radiosity")]
+    pub rig: OnceCell<RigPipelines>,
+    /// Where the file has what deforms.
+    #[cfg(feature = "radiosity")]
+    pub rest_places: RestPlacesPass,
     overlay: RefCell<Vec<Rc<OverlayPass>>>,
 }
 
@@ -82,6 +92,10 @@ impl Pipelines {
             gloss: OnceCell::new(),
             #[cfg(feature = "radiosity")]
             reflections: ReflectionsPass::default(),
+            #[cfg(feature = "radiosity")]
+            rig: OnceCell::new(),
+            #[cfg(feature = "radiosity")]
+            rest_places: RestPlacesPass::default(),
             overlay: RefCell::default(),
             material,
             shadow,
@@ -102,6 +116,8 @@ impl Pipelines {
             lightmap: &self.lightmap.layout,
             #[cfg(feature = "radiosity")]
             gloss: &self.gloss,
+            #[cfg(feature = "radiosity")]
+            rig: &self.rig,
         }
     }
 

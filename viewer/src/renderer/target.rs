@@ -14,6 +14,8 @@ use crate::passes::lightmap;
 use crate::passes::reflections::{ReflectionsSources, ReflectionsTarget};
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
+#[cfg(feature = "radiosity")]
+use crate::scene::rig;
 use crate::scene::sky::Sky;
 use crate::scene::view::Frame;
 use wgpu::BufferUsages;
@@ -71,6 +73,8 @@ impl Target {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
         let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
+        #[cfg(feature = "radiosity")]
+        let gbuffer = gbuffer.with_rest(scene.rig.as_ref().map(|_| rig::rest_picture(&own, size)));
         let from = display::Sources { scene, frame: &frame, gbuffer: &gbuffer };
         let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);

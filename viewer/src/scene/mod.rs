@@ -4,6 +4,7 @@
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
 //! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
+//! * `rig` – meshes that deform;
 //! * `antiradiance` – bounced light without visibility, for things that deform;
 //! * `lightmap` – the light of a fixed solution as a texture; `gloss` – light that arrives at glossy surfaces;
 //! * `materials`, `textures` – a bind group per material, mip levels;
@@ -35,6 +36,8 @@ pub mod radiosity;
 #[cfg(feature = "radiosity")]
 mod reclip;
 pub mod relight;
+#[cfg(feature = "radiosity")]
+pub mod rig;
 pub mod sky;
 pub mod textures;
 pub mod triangles;
@@ -65,6 +68,8 @@ use rebounce_shared::rbn::meta::Meta;
 use rebounce_shared::rbn::sources::Sources;
 use relight::{Relight, RelightPipelines};
 #[cfg(feature = "radiosity")]
+use rig::{GpuRig, RigPipelines};
+#[cfg(feature = "radiosity")]
 use std::cell::OnceCell;
 use std::ops::Range;
 use textures::Mips;
@@ -87,6 +92,9 @@ pub struct Loaders<'a> {
     /// Glossy transfer; made for the first scene with it.
     #[cfg(feature = "radiosity")]
     pub gloss: &'a OnceCell<GlossKernels>,
+    /// Rigs; made for the first scene with one.
+    #[cfg(feature = "radiosity")]
+    pub rig: &'a OnceCell<RigPipelines>,
 }
 
 /// A scene on the GPU, with its metadata on the CPU.
@@ -104,6 +112,9 @@ pub struct GpuScene {
     /// Nodes that move, of a scene that radiosity can light.
     #[cfg(feature = "radiosity")]
     pub moving: Option<Moving>,
+    /// Meshes that deform, if there are any.
+    #[cfg(feature = "radiosity")]
+    pub rig: Option<GpuRig>,
     /// Lightmap of a fixed solution, if there is one.
     #[cfg(feature = "radiosity")]
     pub lightmap: Option<GpuLightmap>,
@@ -127,7 +138,7 @@ pub struct GpuScene {
     pub near: f32,
     /// Bounds for shadow maps.
     pub extent: Extent,
-    /// Whether functions are looked up, never splatted: where there are reconstruction groups, or glossy transfer.
+    /// Whether functions are looked up, never splatted: where there are reconstruction groups, glossy transfer, or a rig.
     pub needs_lookup: bool,
 }
 
@@ -153,6 +164,7 @@ impl GpuScene {
     pub fn light_bytes(&self) -> u64 {
         #[cfg(feature = "radiosity")]
         let more = self.moving.as_ref().map_or(0, Moving::bytes)
+            + self.rig.as_ref().map_or(0, GpuRig::bytes)
             + self.lightmap.as_ref().map_or(0, GpuLightmap::bytes)
             + self.gloss.as_ref().map_or(0, GpuGloss::bytes)
             + self.cube_maps.as_ref().map_or(0, GpuCubeMaps::bytes);
@@ -170,19 +182,26 @@ impl GpuScene {
         let (upload, relight, moving) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
             #[cfg(feature = "radiosity")]
-            if moving::is_solvable(&scene) {
+            if moving::is_solvable(&scene) || !scene.rig.is_empty() {
                 let own = Scope::new(gpu);
                 let points = moving::points(&own, &scene);
                 let relight = Relight::new(gpu, loaders.relight, &upload, &points, &scene);
-                let moving = Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene);
-                return Ok::<_, ViewerError>((upload, relight, Some(moving?)));
+                let pipelines = || loaders.rig.get_or_init(|| RigPipelines::new(gpu)).clone();
+                let rig = GpuRig::new(gpu, pipelines, &upload, &points, &scene);
+                let moving = match moving::is_solvable(&scene) {
+                    true => Some(Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene)?),
+                    false => None,
+                };
+                return Ok::<_, ViewerError>((upload, relight, (moving, rig)));
             }
             let relight = Relight::new(gpu, loaders.relight, &upload, &upload.points, &scene);
             #[cfg(feature = "radiosity")]
-            return Ok((upload, relight, None));
+            return Ok((upload, relight, (None, None)));
             #[cfg(not(feature = "radiosity"))]
             Ok::<_, ViewerError>((upload, relight, ()))
         })?;
+        #[cfg(feature = "radiosity")]
+        let (moving, rig) = moving;
         #[cfg(not(feature = "radiosity"))]
         let () = moving;
         #[cfg(feature = "radiosity")]
@@ -206,6 +225,9 @@ impl GpuScene {
         gpu.settle().await;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
+        #[cfg(feature = "radiosity")]
+        let extent = Extent::new(with_poses(bounds, &scene), finest(&scene));
+        #[cfg(not(feature = "radiosity"))]
         let extent = Extent::new(bounds, finest(&scene));
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
         // Small enough to move the eye close to the finest functions.
@@ -226,6 +248,8 @@ impl GpuScene {
             #[cfg(feature = "radiosity")]
             moving,
             #[cfg(feature = "radiosity")]
+            rig,
+            #[cfg(feature = "radiosity")]
             lightmap,
             finest_radius,
             open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
@@ -234,7 +258,7 @@ impl GpuScene {
             #[cfg(not(feature = "radiosity"))]
             needs_lookup: !scene.groups.is_empty(),
             #[cfg(feature = "radiosity")]
-            needs_lookup: !scene.groups.is_empty() || gloss.is_some(),
+            needs_lookup: !scene.groups.is_empty() || gloss.is_some() || !scene.rig.is_empty(),
             #[cfg(feature = "radiosity")]
             gloss,
             #[cfg(feature = "radiosity")]
@@ -256,6 +280,16 @@ fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
         }
     }
     f32::from_bits(bits)
+}
+
+/// Bounds of the scene with all poses of what deforms.
+#[cfg(feature = "radiosity")]
+fn with_poses([low, high]: [Vec3; 2], scene: &BakedScene) -> [Vec3; 2] {
+    if scene.rig.is_empty() {
+        return [low, high];
+    }
+    let [least, greatest] = scene.rig.layout.bounds.map(Vec3::from);
+    [low.min(least), high.max(greatest)]
 }
 
 /// Minimum and maximum corner of the supports of the two finest levels, local space.

@@ -68,6 +68,9 @@ pub struct Upload {
     /// By reconstruction group, the matrix from where it is to where the file has it: at_rest.wgsl.
     #[cfg(feature = "radiosity")]
     pub rest: wgpu::Buffer,
+    /// A texel that says that nothing deforms: rest_pixel.wgsl.
+    #[cfg(feature = "radiosity")]
+    pub no_rest: wgpu::TextureView,
     /// Offsets of the push rows.
     pub push_offsets: wgpu::Buffer,
     /// Entries of the push rows.
@@ -143,7 +146,7 @@ impl Upload {
                 .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
             // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
-            vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
+            vertices: section("VERT", vertex_usage(scene), bytemuck::cast_slice(&scene.vertices)),
             indices: section("INDX", BufferUsages::INDEX, cast(&indices)),
             instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
@@ -156,6 +159,8 @@ impl Upload {
                 BufferUsages::UNIFORM,
                 bytemuck::cast_slice(&[Instance::IDENTITY; rebounce_shared::rbn::groups::MAX_GROUPS + 1]),
             ),
+            #[cfg(feature = "radiosity")]
+            no_rest: super::rig::rest_picture(&own, [1, 1]),
             push_offsets: stored("PNTS", cast(&relations.push_offsets)),
             push_entries: roomy("PNTS", bytemuck::cast_slice(&relations.push_entries), push),
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),
@@ -182,6 +187,21 @@ impl Upload {
     pub fn bytes(&self) -> u64 {
         self.own.bytes()
     }
+}
+
+/// Usage of the vertices: shaders write those that deform.
+#[cfg(feature = "radiosity")]
+fn vertex_usage(scene: &BakedScene) -> BufferUsages {
+    match scene.rig.is_empty() {
+        true => BufferUsages::VERTEX,
+        false => BufferUsages::VERTEX | BufferUsages::STORAGE,
+    }
+}
+
+/// Without radiosity nothing deforms.
+#[cfg(not(feature = "radiosity"))]
+fn vertex_usage(_: &BakedScene) -> BufferUsages {
+    BufferUsages::VERTEX
 }
 
 /// Bytes that planes, parents and children of a scene need, whatever moves; none beyond the file's where nothing can.

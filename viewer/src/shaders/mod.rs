@@ -44,7 +44,7 @@ modules! {
         "area" "visibility" "penumbra" "tilt" "surface" "lobe" "brdf_coated" "reflect" "blended";
     /// The functions that cover each pixel.
     #[cfg(feature = "radiosity")]
-    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_find" "at_rest" "frame" "place" "group" "slots" "openness" "find";
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_find" "rest_pixel" "frame" "place" "slots" "openness" "find";
     /// Blended surfaces, layer by layer.
     #[cfg(not(feature = "radiosity"))]
     BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "one_group" "through" "lights" "lights_third"
@@ -97,6 +97,15 @@ modules! {
     /// Light of a lightmap on the visible surfaces.
     #[cfg(feature = "radiosity")]
     LIGHTMAP: "octahedral" "frame" "model" "lightmap";
+    /// Vertices of meshes that deform.
+    #[cfg(feature = "radiosity")]
+    SKIN: "octahedral" "rig" "skin";
+    /// Points on meshes that deform.
+    #[cfg(feature = "radiosity")]
+    RIDE: "octahedral" "rig" "ride";
+    /// Where the file has the visible surfaces of meshes that deform.
+    #[cfg(feature = "radiosity")]
+    REST_PLACES: "octahedral" "frame" "model" "rest_places";
     /// Glossy transfer: vectors of clusters under distant light.
     #[cfg(feature = "radiosity")]
     LIGHT_VECTORS: "harmonics" "gloss_pass" "light_vectors";

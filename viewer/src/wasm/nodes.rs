@@ -5,43 +5,66 @@ use super::viewer::Viewer;
 use crate::error::ViewerError;
 use crate::passes::settings::SolverChoice;
 use rebounce_shared::motion::NodeMotion;
-use rebounce_shared::rbn::meta::Animation;
-use rebounce_shared::rbn::node_tracks::NodeAnimation;
+use rebounce_shared::rbn::meta::{Animation, Interpolation};
+use rebounce_shared::rbn::node_tracks::{NodeAnimation, NodeTrack};
+use rebounce_shared::rig::RigAnimation;
 use wasm_bindgen::prelude::*;
 
 /// Numbers of a node: its translation, and its rotation as a quaternion x, y, z, w.
 const NUMBERS: usize = 7;
 
-/// Animations of lights, each with the tracks of nodes of the same name, and those of nodes alone. Of several of one name the
-/// first ones belong together.
+/// An animation for the page: name, duration, tracks.
+type Listed = (String, f32, js_sys::Array);
+
+/// Animations of lights, each with the tracks of nodes and of the rig of the same name, and those of nodes and of the rig alone. Of
+/// several of one name the first ones belong together.
 pub(super) fn with_nodes(
     of_lights: &[Animation],
     (names, of_nodes): (Vec<String>, Vec<NodeAnimation>),
+    of_rig: &[RigAnimation],
 ) -> js_sys::Array {
-    let mut of_nodes: Vec<Option<NodeAnimation>> = of_nodes.into_iter().map(Some).collect();
-    let push = |tracks: &js_sys::Array, own: &NodeAnimation| {
-        for t in &own.tracks {
-            let node = ("node", names[t.node as usize].as_str().into());
-            tracks.push(&track(node, t.property.name(), t.interpolation, [&t.times, &t.values]));
-        }
-    };
-    let out = js_sys::Array::new();
-    for own in of_lights {
-        let (tracks, mut duration) = (tracks(own), own.duration);
-        let is_same =
-            |other: &&mut Option<NodeAnimation>| other.as_ref().is_some_and(|other| other.name == own.name);
-        if let Some(nodes) = of_nodes.iter_mut().find(is_same).and_then(Option::take) {
-            push(&tracks, &nodes);
-            duration = duration.max(nodes.duration);
-        }
-        out.push(&animation(&own.name, duration, tracks));
+    let mut listed: Vec<Listed> =
+        of_lights.iter().map(|own| (own.name.clone(), own.duration, tracks(own))).collect();
+    let first = listed.len();
+    add(
+        &mut listed,
+        first,
+        of_nodes.iter().map(|own| {
+            let of_node = |t: &NodeTrack| {
+                let node = ("node", names[t.node as usize].as_str().into());
+                track(node, t.property.name(), t.interpolation, [&t.times, &t.values])
+            };
+            (own.name.clone(), own.duration, own.tracks.iter().map(of_node).collect())
+        }),
+    );
+    let first = listed.len();
+    add(
+        &mut listed,
+        first,
+        of_rig.iter().map(|own| {
+            // The pose is that of the rig's animation at the time which is the track's value.
+            let keys: &[f32] = if own.duration > 0.0 { &[0.0, own.duration] } else { &[0.0] };
+            let node = ("node", own.name.as_str().into());
+            let of_rig = track(node, "pose", Interpolation::Linear, [keys, keys]);
+            (own.name.clone(), own.duration, js_sys::Array::of1(&of_rig))
+        }),
+    );
+    listed.iter().map(|(name, duration, tracks)| animation(name, *duration, tracks.clone())).collect()
+}
+
+/// Adds animations to those of the same name among the first ones, each to another; others at the end.
+fn add(listed: &mut Vec<Listed>, first: usize, more: impl Iterator<Item = Listed>) {
+    let mut taken = vec![false; first];
+    for (name, duration, tracks) in more {
+        let same = (0..first).find(|&i| !taken[i] && listed[i].0 == name);
+        let Some(same) = same else {
+            listed.push((name, duration, tracks));
+            continue;
+        };
+        taken[same] = true;
+        listed[same].1 = listed[same].1.max(duration);
+        listed[same].2 = listed[same].2.concat(&tracks);
     }
-    for own in of_nodes.into_iter().flatten() {
-        let tracks = js_sys::Array::new();
-        push(&tracks, &own);
-        out.push(&animation(&own.name, own.duration, tracks));
-    }
-    out
 }
 
 #[wasm_bindgen]
@@ -73,6 +96,15 @@ impl Viewer {
                 return Err(ViewerError::BadArgument("motions of all nodes are needed".into()));
             }
             state.renderer.move_nodes(&motions)
+        })
+    }
+
+    /// Poses what deforms as the file's animation of this name has it at a time, seconds; at rest where the file has none.
+    #[wasm_bindgen(js_name = setPose)]
+    pub fn set_pose(&self, name: &str, time: f64) -> Result<(), JsValue> {
+        self.change(|state| {
+            let animation = state.renderer.rig_animations().iter().position(|own| own.name == name);
+            state.renderer.pose(animation, time as f32)
         })
     }
 

@@ -63,7 +63,11 @@ impl Viewer {
         let state = self.state.borrow();
         let animations = state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations);
         #[cfg(feature = "radiosity")]
-        let animations = super::nodes::with_nodes(animations, state.renderer.node_animations());
+        let animations = super::nodes::with_nodes(
+            animations,
+            state.renderer.node_animations(),
+            state.renderer.rig_animations(),
+        );
         #[cfg(not(feature = "radiosity"))]
         let animations =
             animations.iter().map(|own| animation(&own.name, own.duration, tracks(own))).collect();

@@ -1,4 +1,4 @@
-/** Keyframes of lights and nodes: their form, and the lights at a moment. Pure functions, no state. */
+/** Keyframes of lights, nodes and poses: their form, and the lights at a moment. Pure functions, no state. */
 
 import { Failure } from "../wire/failure.js";
 import type { Light, Triple } from "../wire/shot.js";
@@ -34,19 +34,33 @@ export interface NodeTrack {
   interpolation?: "linear" | "step";
 }
 
+/** The pose of what deforms over time. */
+export interface PoseTrack {
+  /** Which of the file's animations of skins and morph targets: its name. */
+  node: string;
+  light?: undefined;
+  property: "pose";
+  /** When the keys are, seconds, rising. */
+  times: number[];
+  /** Of each key, the time in the file's animation whose pose it has, seconds. */
+  values: number[];
+  /** How it goes from key to key; linear when absent. */
+  interpolation?: "linear" | "step";
+}
+
 /** Tracks that are played together. */
 export interface LightAnimation {
   name: string;
   /** Seconds. */
   duration: number;
-  tracks: (LightTrack | NodeTrack)[];
+  tracks: (LightTrack | NodeTrack | PoseTrack)[];
 }
 
-type Track = LightTrack | NodeTrack;
+type Track = LightTrack | NodeTrack | PoseTrack;
 
 /** Properties of lights and of nodes, and their numbers a key. */
 const LIGHT = { position: 3, direction: 3, intensity: 1, color: 3 };
-const NODE = { translation: 3, rotation: 4 };
+const NODE = { translation: 3, rotation: 4, pose: 1 };
 const WIDTH = { ...LIGHT, ...NODE };
 
 /** A copy of a list of animations from anywhere. Throws a `Failure` with the code `bad-json` and what is wrong. */

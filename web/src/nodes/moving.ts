@@ -48,8 +48,9 @@ export class Moving implements AnimatedNodes {
   play({ tracks }: LightAnimation, value: (track: LightAnimation["tracks"][number]) => number[]): void {
     const { nodes } = this;
     for (const track of tracks) {
+      if (track.property === "pose") this.#viewer.setPose(track.node, value(track)[0] as number);
       const node = nodes[track.node ?? ""];
-      if (node) Object.assign(node, { [track.property]: value(track) });
+      if (node && track.property !== "pose") Object.assign(node, { [track.property]: value(track) });
     }
   }
 

@@ -67,6 +67,14 @@ pub struct Sources<'a> {
     pub gbuffer: &'a GBuffer,
 }
 
+#[cfg(feature = "radiosity")]
+impl Sources<'_> {
+    /// Where the file has what deforms.
+    fn rest(&self) -> &wgpu::TextureView {
+        self.gbuffer.rest.as_ref().unwrap_or(&self.scene.upload.no_rest)
+    }
+}
+
 /// The slots of one picture size, with the buffers and bind groups that fill them.
 pub struct DisplayTarget {
     /// The slots.
@@ -161,7 +169,17 @@ impl DisplayPass {
         // `rows`: the rows of lookup.
         let textures = [&from.gbuffer.depth, &from.gbuffer.surface];
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
-            find_group(scope, &self.find_layout, from.scene, slots, from.frame, textures, rows)
+            find_group(
+                scope,
+                &self.find_layout,
+                from.scene,
+                slots,
+                from.frame,
+                textures,
+                #[cfg(feature = "radiosity")]
+                from.rest(),
+                rows,
+            )
         };
         let own = Scope::new(gpu);
         match way {
@@ -224,6 +242,8 @@ fn find_layout(gpu: &Gpu, [places, normals]: [Slot; 2]) -> wgpu::BindGroupLayout
         Slot::Read,
         #[cfg(feature = "radiosity")]
         Slot::Uniform,
+        #[cfg(feature = "radiosity")]
+        Slot::TextureUint,
     ];
     layout(gpu, "find", ShaderStages::COMPUTE, &find)
 }
@@ -237,6 +257,7 @@ fn find_group(
     slots: &SlotBuffers,
     frame: &wgpu::Buffer,
     textures: [&wgpu::TextureView; 2],
+    #[cfg(feature = "radiosity")] rest: &wgpu::TextureView,
     rows: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
     let upload = &scene.upload;
@@ -255,6 +276,8 @@ fn find_group(
         upload.gains.as_entire_binding(),
         #[cfg(feature = "radiosity")]
         upload.rest.as_entire_binding(),
+        #[cfg(feature = "radiosity")]
+        view(rest),
     ];
     group(scope, "find", layout, &resources)
 }

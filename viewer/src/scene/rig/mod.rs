@@ -1,0 +1,202 @@
+//! Meshes that deform, on the GPU: vertices and points follow the pose ([`rebounce_shared::rig`]).
+//!
+//! * here: buffers, and the pose;
+//! * `pipelines` – the compute pipelines.
+//!
+//! Pictures and shadow maps draw the deformed vertices. Points ride on their triangles, so that direct light at them is that of
+//! the pose. A pixel of a mesh that deforms looks up the functions where the file has it ([`crate::passes::rest_places`]): bounced
+//! light is computed with links of the pose at rest.
+
+mod pipelines;
+
+pub use pipelines::RigPipelines;
+
+use super::upload::Upload;
+use crate::gpu::Gpu;
+use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group, target};
+use crate::gpu::scope::Scope;
+use crate::scene::draw_batch::DrawBatch;
+use bytemuck::{Pod, Zeroable};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::rbn::bulk::Instance;
+use rebounce_shared::rig::pose::Pose;
+use rebounce_shared::rig::{Rig, RigAnimation};
+use std::cell::{Cell, RefCell};
+use wgpu::{BufferUsages, TextureFormat};
+
+/// Format of the picture of places at rest.
+pub const REST: TextureFormat = TextureFormat::Rgba32Uint;
+
+/// `RigPass` in rig.wgsl.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+struct RigPass {
+    first: u32,
+    count: u32,
+    first_delta: u32,
+    targets: u32,
+    first_weight: u32,
+    first_matrix: u32,
+    pad: [u32; 2],
+}
+
+/// The rig of a scene.
+pub struct GpuRig {
+    /// Vertices where the file has them: section `VERT`.
+    pub rest_vertices: wgpu::Buffer,
+    /// Draw calls with triangles that deform, without those of blended materials.
+    pub runs: Vec<DrawBatch>,
+    rig: Rig,
+    /// What is on the GPU, once [`Self::encode`] has been called.
+    pose: RefCell<Pose>,
+    is_stale: Cell<bool>,
+    matrices: wgpu::Buffer,
+    weights: wgpu::Buffer,
+    /// By mesh: its bind group and number of vertices.
+    meshes: Vec<(wgpu::BindGroup, u32)>,
+    /// Bind group of the points, if any ride.
+    riders: Option<(wgpu::BindGroup, u32)>,
+    own: Scope,
+}
+
+/// A picture of this size, in pixels, of where the file has what deforms: rest_places.wgsl.
+pub fn rest_picture(scope: &Scope, size: [u32; 2]) -> wgpu::TextureView {
+    target(scope, "places at rest", REST, size[0], size[1]).create_view(&Default::default())
+}
+
+impl GpuRig {
+    /// Prepares the rig of a scene; `points` is the buffer of the points where they are. `None` where nothing deforms.
+    pub fn new(
+        gpu: &Gpu,
+        pipelines: impl FnOnce() -> RigPipelines,
+        upload: &Upload,
+        points: &wgpu::Buffer,
+        scene: &BakedScene,
+    ) -> Option<Self> {
+        let rig = &scene.rig;
+        if rig.is_empty() {
+            return None;
+        }
+        let pipelines = pipelines();
+        let own = Scope::new(gpu);
+        let stored = |label, content: &[u8]| buffer(&own, label, BufferUsages::STORAGE, content);
+        let binds = stored("RIGV", bytemuck::cast_slice(&rig.vertices));
+        let deltas = stored("RIGM", bytemuck::cast_slice(&rig.deltas));
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let pose = Pose::rest(rig);
+        let matrices = empty_buffer(&own, "joint matrices", storage, size_of_val(&pose.matrices[..]) as u64);
+        let weights = empty_buffer(&own, "morph weights", storage, size_of_val(&pose.weights[..]) as u64);
+        let uniform = |pass: RigPass| buffer(&own, "rig", BufferUsages::UNIFORM, bytemuck::bytes_of(&pass));
+        let (mut first_matrix, mut first_weight) = (0, 0);
+        let mut meshes = Vec::with_capacity(rig.layout.meshes.len());
+        for mesh in &rig.layout.meshes {
+            let pass = RigPass {
+                first: mesh.first_vertex,
+                count: mesh.vertex_count,
+                first_delta: mesh.first_delta,
+                targets: mesh.weights.len() as u32,
+                first_weight,
+                first_matrix,
+                pad: [0; 2],
+            };
+            let resources = [&uniform(pass), &binds, &deltas, &matrices, &weights, &upload.vertices];
+            let resources = resources.map(wgpu::Buffer::as_entire_binding);
+            meshes.push((group(gpu, "skin", &pipelines.skin.0, &resources), mesh.vertex_count));
+            first_matrix += mesh.matrix_count() as u32;
+            first_weight += mesh.weights.len() as u32;
+        }
+        let riders = (!rig.points.is_empty()).then(|| {
+            let count = rig.points.len() as u32;
+            let records = stored("RIGP", bytemuck::cast_slice(&rig.points));
+            let resources = [
+                &uniform(RigPass { count, ..RigPass::default() }),
+                &binds,
+                &records,
+                &upload.vertices,
+                points,
+            ];
+            let resources = resources.map(wgpu::Buffer::as_entire_binding);
+            (group(gpu, "ride", &pipelines.ride.0, &resources), count)
+        });
+        Some(Self {
+            rest_vertices: buffer(
+                &own,
+                "VERT at rest",
+                BufferUsages::VERTEX,
+                bytemuck::cast_slice(&scene.vertices),
+            ),
+            runs: runs(scene, upload),
+            rig: rig.clone(),
+            pose: pose.into(),
+            is_stale: false.into(),
+            matrices,
+            weights,
+            meshes,
+            riders,
+            own,
+        })
+    }
+
+    /// Animations of the rig.
+    pub fn animations(&self) -> &[RigAnimation] {
+        &self.rig.layout.animations
+    }
+
+    /// Poses the rig as an animation has it at a time, seconds; at rest without one. Returns whether that is another pose.
+    pub fn pose(&self, animation: Option<usize>, time: f32) -> bool {
+        let animation = animation.and_then(|number| self.animations().get(number));
+        let pose = animation.map_or_else(|| Pose::rest(&self.rig), |found| Pose::of(&self.rig, found, time));
+        let changes = *self.pose.borrow() != pose;
+        if changes {
+            self.pose.replace(pose);
+            self.is_stale.set(true);
+        }
+        changes
+    }
+
+    /// Lets points and vertices follow again: something else has put points where they are at rest.
+    pub fn renew(&self) {
+        self.is_stale.set(true);
+    }
+
+    /// Encodes what follows the pose, if it has changed: vertices, then points.
+    pub fn encode(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, pipelines: &RigPipelines) {
+        if !self.is_stale.take() {
+            return;
+        }
+        let pose = self.pose.borrow();
+        gpu.queue.write_buffer(&self.matrices, 0, bytemuck::cast_slice::<Instance, u8>(&pose.matrices));
+        if !pose.weights.is_empty() {
+            gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&pose.weights));
+        }
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut dispatch = |pipeline: &wgpu::ComputePipeline, group: &wgpu::BindGroup, count: u32| {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            let [x, y] = grid(count.div_ceil(WORKGROUP));
+            pass.dispatch_workgroups(x, y, 1);
+        };
+        for (group, count) in &self.meshes {
+            dispatch(&pipelines.skin.1, group, *count);
+        }
+        if let Some((group, count)) = &self.riders {
+            dispatch(&pipelines.ride.1, group, *count);
+        }
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
+    }
+}
+
+/// Draw calls with a triangle that deforms.
+fn runs(scene: &BakedScene, upload: &Upload) -> Vec<DrawBatch> {
+    let mut deforms = vec![false; scene.vertices.len()];
+    scene.rig.vertices.iter().for_each(|vertex| deforms[vertex.vertex as usize] = true);
+    let has_one = |run: &&DrawBatch| {
+        let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
+        indices.iter().any(|index| deforms[*index as usize])
+    };
+    upload.runs.iter().filter(has_one).cloned().collect()
+}
