@@ -16,6 +16,8 @@ mod probes;
 #[cfg(feature = "radiosity")]
 mod radiosity;
 mod relight;
+#[cfg(feature = "radiosity")]
+mod rig;
 mod scope;
 mod smooth;
 mod splat;
