@@ -21,6 +21,7 @@
 //! * [`tone`], [`smooth`] – display values from radiance, and antialiasing of their edges;
 //! * `radiosity` – bounced light of scenes whose things move, on the CPU, the reference for the GPU;
 //! * [`motion`] – rigid motions of nodes;
+//! * `rig` – meshes that animations deform;
 //! * [`relight`] – one frame of relighting on the CPU, the reference for the GPU;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
 //!

@@ -41,7 +41,7 @@ fn diffuse_transfer_survives_the_file_and_needs_all_of_its_sections() {
     assert!(back == scene && back.to_bytes().unwrap() == bytes);
     assert!(back.is_for_environment() && !back.is_unlinked() && !back.is_solved());
     let version = container::version(&bytes).unwrap();
-    assert_eq!(version, container::VERSION);
+    assert_eq!(version, container::WITHOUT_RIG);
     let sections = container::read(&bytes).unwrap();
     let parts: Vec<_> = sections.iter().map(|s| (s.name, &bytes[s.offset..s.offset + s.len])).collect();
     // An older reader would show a dark object.

@@ -12,6 +12,8 @@ mod gloss_links;
 #[cfg(feature = "radiosity")]
 mod lightmap;
 mod openness;
+#[cfg(feature = "radiosity")]
+mod rig;
 mod rules;
 mod shown;
 #[cfg(feature = "radiosity")]

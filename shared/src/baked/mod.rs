@@ -28,6 +28,8 @@ use crate::rbn::sources::{self, Sources};
 #[cfg(feature = "radiosity")]
 use crate::rbn::specular;
 use crate::rbn::{RbnError, container, extras, shown};
+#[cfg(feature = "radiosity")]
+use crate::rig::Rig;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -85,6 +87,9 @@ pub struct BakedScene {
     /// From the environment to irradiance along the points' normals, in place of links; empty where light comes by links.
     #[cfg(feature = "radiosity")]
     pub diffuse_transfer: DiffuseTransfer,
+    /// Meshes that animations deform, if there are any; the other fields have them at rest.
+    #[cfg(feature = "radiosity")]
+    pub rig: Rig,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
@@ -231,8 +236,12 @@ impl BakedScene {
     /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
-        if self.is_for_environment() {
+        #[cfg(feature = "radiosity")]
+        if !self.rig.is_empty() {
             return container::VERSION;
+        }
+        if self.is_for_environment() {
+            return container::WITHOUT_RIG;
         }
         if !self.groups.is_empty() || !self.reflectance.is_empty() {
             return container::WITHOUT_TRANSFER;
@@ -314,6 +323,10 @@ impl BakedScene {
         let of_cube_maps = self.cube_map_sections()?;
         #[cfg(feature = "radiosity")]
         sections.extend(of_cube_maps.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
+        #[cfg(feature = "radiosity")]
+        let of_rig = self.rig_sections()?;
+        #[cfg(feature = "radiosity")]
+        sections.extend(of_rig.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -373,6 +386,8 @@ impl BakedScene {
             cube_maps: CubeMaps::default(),
             #[cfg(feature = "radiosity")]
             diffuse_transfer: DiffuseTransfer::default(),
+            #[cfg(feature = "radiosity")]
+            rig: Rig::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {

@@ -9,8 +9,9 @@ use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
 use crate::rbn::{
     CUBE_MAP_SECTIONS, DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS,
-    LIGHTMAP_SECTIONS, LinkMatrix, RbnError, SPECULAR_SECTION, groups, specular,
+    LIGHTMAP_SECTIONS, LinkMatrix, RIG_SECTIONS, RbnError, SPECULAR_SECTION, groups, rig, specular,
 };
+use crate::rig::Rig;
 
 /// A section's name and bytes.
 pub(super) type NamedSection = ([u8; 4], Vec<u8>);
@@ -75,8 +76,23 @@ impl BakedScene {
         Ok(CUBE_MAP_SECTIONS.into_iter().zip(packed).collect())
     }
 
-    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy and diffuse transfer, of cube maps, of groups and
-    /// of reflectances.
+    /// Packs the sections of a rig; none without it.
+    pub(super) fn rig_sections(&self) -> Result<Vec<NamedSection>, RbnError> {
+        let Rig { layout, vertices, deltas, points } = &self.rig;
+        if self.rig.is_empty() {
+            return Ok(Vec::new());
+        }
+        let packed = [
+            rig::encode(layout)?,
+            columns::encode(vertices),
+            columns::encode(deltas),
+            columns::encode(points),
+        ];
+        Ok(RIG_SECTIONS.into_iter().zip(packed).collect())
+    }
+
+    /// Reads the sections of specular extras, of fixed solutions, of lightmaps, of glossy and diffuse transfer, of cube maps, of
+    /// a rig, of groups and of reflectances.
     pub(super) fn read_groups<'f>(
         &mut self,
         has: &dyn Fn([u8; 4]) -> bool,
@@ -137,6 +153,17 @@ impl BakedScene {
                 layout: cube_maps::decode(bytes(*b"CMLY")?)?,
                 texels: records("CMTX", bytes(*b"CMTX")?)?,
             };
+        }
+        if RIG_SECTIONS.into_iter().any(has) {
+            self.rig = Rig {
+                layout: rig::decode(bytes(*b"RIGL")?)?,
+                vertices: records("RIGV", bytes(*b"RIGV")?)?,
+                deltas: records("RIGM", bytes(*b"RIGM")?)?,
+                points: records("RIGP", bytes(*b"RIGP")?)?,
+            };
+            if self.rig.is_empty() {
+                return Err(RbnError::invalid("RIGL", "there is no mesh"));
+            }
         }
         let mut of_material = Vec::new();
         if has(*b"MGRP") {

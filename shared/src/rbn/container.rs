@@ -38,7 +38,9 @@ pub const MAGIC: [u8; 8] = *b"REBOUNCE";
 /// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. A file is written in the least
 /// version that supports its features. Without the feature `radiosity` files with [groups](super::groups) are too new,
 /// and [fixed solutions](super::light_groups) are not read.
-pub const VERSION: u32 = if cfg!(feature = "radiosity") { 12 } else { ONE_GROUP };
+pub const VERSION: u32 = if cfg!(feature = "radiosity") { 13 } else { ONE_GROUP };
+/// Last version without a [rig](crate::rig).
+pub const WITHOUT_RIG: u32 = 12;
 /// Last version without diffuse transfer.
 pub const WITHOUT_TRANSFER: u32 = 11;
 /// Last version without [reconstruction groups](super::groups).
@@ -68,7 +70,9 @@ pub const SINCE: &[([u8; 4], u32)] = &[
     #[cfg(feature = "radiosity")]
     (*b"REFL", WITHOUT_TRANSFER),
     #[cfg(feature = "radiosity")]
-    (*b"DTLY", VERSION),
+    (*b"DTLY", WITHOUT_RIG),
+    #[cfg(feature = "radiosity")]
+    (*b"RIGL", VERSION),
 ];
 /// Alignment of sections, bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;

@@ -7,6 +7,7 @@
 //! * [`lightmap`] – the same as a texture;
 //! * `gloss` – glossy transfer; `gloss_links` – its links from the scene's surfaces;
 //! * `cube_maps` – surfaces around metals, for pictures to light;
+//! * `rig` – meshes that animations deform;
 //! * `diffuse_transfer` – from the environment to the points, in place of links; `clustered` – how either is compressed;
 //! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
@@ -37,6 +38,8 @@ pub mod limits;
 mod matrix;
 pub mod meta;
 pub mod node_tracks;
+#[cfg(feature = "radiosity")]
+pub mod rig;
 pub mod shown;
 mod small;
 pub mod sources;
@@ -76,6 +79,9 @@ pub const GLOSS_LINK_SECTIONS: [[u8; 4]; 2] = [*b"GLLK", *b"GLLO"];
 pub const DIFFUSE_SECTIONS: [[u8; 4]; 4] = [*b"DTLY", *b"DTCL", *b"DTWT", *b"DTBS"];
 /// Names of the optional sections of cube maps, after those of diffuse transfer.
 pub const CUBE_MAP_SECTIONS: [[u8; 4]; 2] = [*b"CMLY", *b"CMTX"];
+/// Names of the optional sections of a rig, after those of cube maps.
+#[cfg(feature = "radiosity")]
+pub const RIG_SECTIONS: [[u8; 4]; 4] = [*b"RIGL", *b"RIGV", *b"RIGM", *b"RIGP"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -109,6 +109,9 @@ fn value(layout: &RigLayout, track: &RigTrack, time: f32) -> Vec<f32> {
 fn slerp(a: &[f32], b: &[f32], s: f32) -> [f32; 4] {
     let quaternion = |x: &[f32]| DQuat::from_array(std::array::from_fn(|i| f64::from(x[i])));
     let [a, b] = [a, b].map(|x| quaternion(x).normalize());
+    if !(a.is_finite() && b.is_finite()) {
+        return [0.0, 0.0, 0.0, 1.0];
+    }
     a.slerp(b, f64::from(s)).to_array().map(|x| x as f32)
 }
 

@@ -87,14 +87,17 @@ pub struct RiddenPoint {
     pub normal: Vec3,
 }
 
-/// Returns where a point is on its triangle. The normal is the vertices' mean, on the front of the triangle.
+/// Returns where a point is on its triangle. The normal is the vertices' mean, on the front of the triangle: a point on the back of
+/// a surface has the corners in the other order.
 pub fn ridden(point: &RigPoint, skinned: &[SkinnedVertex]) -> RiddenPoint {
     let [a, b, c] = point.corners.map(|corner| skinned[corner as usize]);
     let [v, w] = point.barycentric;
     let u = 1.0 - v - w;
     let mean = |a: Vec3, b: Vec3, c: Vec3| u * a + v * b + w * c;
+    let normal = mean(a.normal, b.normal, c.normal).normalize_or(a.normal);
+    let front = (b.position - a.position).cross(c.position - a.position);
     RiddenPoint {
         position: mean(a.position, b.position, c.position),
-        normal: mean(a.normal, b.normal, c.normal).normalize_or(a.normal),
+        normal: if front.dot(normal) < 0.0 { -normal } else { normal },
     }
 }

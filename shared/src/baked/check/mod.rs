@@ -14,7 +14,7 @@ use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container};
 #[cfg(feature = "radiosity")]
-use crate::rbn::{cube_maps, diffuse_transfer, gloss, groups, light_groups, lightmap, specular};
+use crate::rbn::{cube_maps, diffuse_transfer, gloss, groups, light_groups, lightmap, rig, specular};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -106,6 +106,8 @@ impl BakedScene {
         )?;
         #[cfg(feature = "radiosity")]
         self.check_transfer()?;
+        #[cfg(feature = "radiosity")]
+        self.check_rig()?;
         Ok(())
     }
 
@@ -129,6 +131,25 @@ impl BakedScene {
             let is_alone = |own: &mut Option<u32>| own.replace(with).is_none_or(|own| own == with);
             if (node.is_some() && instances.is_empty()) || !moves_with[instances].iter_mut().all(is_alone) {
                 return Err(RbnError::invalid("COPY", "triangles that move have no instance of their own"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks a rig, and that its triangles are those of no copies.
+    #[cfg(feature = "radiosity")]
+    fn check_rig(&self) -> Result<(), RbnError> {
+        rig::check(&self.rig, [self.vertices.len(), self.points.len()])?;
+        if self.rig.is_empty() || self.copies.is_empty() {
+            return Ok(());
+        }
+        let mut deforms = vec![false; self.vertices.len()];
+        self.rig.vertices.iter().for_each(|vertex| deforms[vertex.vertex as usize] = true);
+        for (i, draw) in self.meta.draws.iter().enumerate().filter(|(i, _)| !self.copies_of(*i).is_empty()) {
+            let first = draw.first_index as usize;
+            let corners = &self.indices[first..first + draw.index_count as usize];
+            if corners.iter().any(|corner| deforms[*corner as usize]) {
+                return Err(RbnError::invalid("RIGV", format!("draw call {i} has copies of what deforms")));
             }
         }
         Ok(())
