@@ -9,10 +9,11 @@ use rebounce_shared::octahedral::{pack_rounded, unpack_snorm16};
 use rebounce_shared::rig::pose::Pose;
 use rebounce_shared::rig::skin::{put, ridden, skinned};
 use rebounce_shared::rig::{
-    MorphDelta, NodePose, Rig, RigAnimation, RigInterpolation, RigJoint, RigLayout, RigMesh, RigNode, RigPoint,
-    RigTarget, RigTrack, RigVertex,
+    MorphDelta, NodePose, Rig, RigAnimation, RigInterpolation, RigJoint, RigLayout, RigMesh, RigNode,
+    RigPoint, RigTarget, RigTrack, RigVertex,
 };
 use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, ToneMapping};
@@ -40,9 +41,12 @@ fn track(target: RigTarget, interpolation: RigInterpolation, times: &[f32], valu
 /// The room, with two of its walls in a rig. Animation 0 bends them, 1 shifts the skinned one.
 fn deforming_room() -> BakedScene {
     let mut scene = common::room(&[4, 8, 16]);
-    let vertices = |wall: usize| (4 * wall as u32..4 * wall as u32 + 4).map(|i| (i, scene.vertices[i as usize]));
+    let vertices =
+        |wall: usize| (4 * wall as u32..4 * wall as u32 + 4).map(|i| (i, scene.vertices[i as usize]));
     let mut rig = Rig::default();
-    for (wall, weights) in [(SKINNED, [[0xffff, 0], [0xffff, 0], [0, 0xffff], [0x8000, 0x7fff]]), (MORPHED, [[0xffff, 0]; 4])] {
+    for (wall, weights) in
+        [(SKINNED, [[0xffff, 0], [0xffff, 0], [0, 0xffff], [0x8000, 0x7fff]]), (MORPHED, [[0xffff, 0]; 4])]
+    {
         for ((number, vertex), [a, b]) in vertices(wall).zip(weights) {
             rig.vertices.push(RigVertex {
                 vertex: number,
@@ -86,15 +90,35 @@ fn deforming_room() -> BakedScene {
                 name: "bend".into(),
                 duration: 2.0,
                 tracks: vec![
-                    track(RigTarget::Rotation(1), RigInterpolation::Linear, &[0.0, 2.0], &[0.0, 0.0, 0.0, 1.0, half, 0.0, 0.0, half]),
-                    track(RigTarget::Translation(0), RigInterpolation::Step, &[0.0, 0.5], &[0.1, 0.0, 0.0, 0.1, 0.2, 0.0]),
-                    track(RigTarget::Weights(1), RigInterpolation::Linear, &[0.0, 1.0], &[0.0, 0.0, 1.0, 0.5]),
+                    track(
+                        RigTarget::Rotation(1),
+                        RigInterpolation::Linear,
+                        &[0.0, 2.0],
+                        &[0.0, 0.0, 0.0, 1.0, half, 0.0, 0.0, half],
+                    ),
+                    track(
+                        RigTarget::Translation(0),
+                        RigInterpolation::Step,
+                        &[0.0, 0.5],
+                        &[0.1, 0.0, 0.0, 0.1, 0.2, 0.0],
+                    ),
+                    track(
+                        RigTarget::Weights(1),
+                        RigInterpolation::Linear,
+                        &[0.0, 1.0],
+                        &[0.0, 0.0, 1.0, 0.5],
+                    ),
                 ],
             },
             RigAnimation {
                 name: "shift".into(),
                 duration: 1.0,
-                tracks: vec![track(RigTarget::Translation(0), RigInterpolation::Linear, &[0.0, 1.0], &[0.1, 0.0, 0.0, 0.1, 0.0, -0.4])],
+                tracks: vec![track(
+                    RigTarget::Translation(0),
+                    RigInterpolation::Linear,
+                    &[0.0, 1.0],
+                    &[0.1, 0.0, 0.0, 0.1, 0.0, -0.4],
+                )],
             },
         ],
         bounds: [[-1.5; 3], [1.5; 3]],
@@ -103,7 +127,8 @@ fn deforming_room() -> BakedScene {
     for (number, point) in (0u32..).zip(&scene.points) {
         for (wall, first) in [(SKINNED, 0u32), (MORPHED, 4)] {
             let corner = |k: u32| Vec3::from(scene.vertices[4 * wall + k as usize].position);
-            let of_wall = unpack_snorm16(point.normal).dot(unpack_snorm16(scene.vertices[4 * wall].normal)) > 0.99;
+            let of_wall =
+                unpack_snorm16(point.normal).dot(unpack_snorm16(scene.vertices[4 * wall].normal)) > 0.99;
             if !of_wall {
                 continue;
             }
@@ -147,12 +172,15 @@ fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     renderer
 }
 
+fn floats(readback: Readback) -> Vec<f32> {
+    bytemuck::pod_collect_to_vec(&pollster::block_on(readback.wait()).unwrap())
+}
+
 /// Bounced light, and all light.
 fn pictures(renderer: &mut Renderer) -> [Vec<f32>; 2] {
-    let read = |readback| bytemuck::pod_collect_to_vec(&pollster::block_on(readback).unwrap());
-    let indirect = read(renderer.read_indirect(SIZE[0], SIZE[1]).unwrap().wait());
+    let indirect = floats(renderer.read_indirect(SIZE[0], SIZE[1]).unwrap());
     renderer.set_mode(Mode::All);
-    let all = read(renderer.read_radiance(SIZE[0], SIZE[1]).unwrap().wait());
+    let all = floats(renderer.read_radiance(SIZE[0], SIZE[1]).unwrap());
     [indirect, all]
 }
 

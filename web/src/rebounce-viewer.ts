@@ -16,7 +16,7 @@ import { restoreState, stateLink } from "./element/state.js";
 import type { Counts, Stats } from "./wire/stats.js";
 import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, shotIn, statsIn } from "./wire/wire.js";
 
-export type { AnimatedProperty, LightAnimation, LightTrack, NodeTrack } from "./animation/animation.js";
+export type { AnimatedProperty, LightAnimation, LightTrack, NodeTrack, PoseTrack } from "./animation/animation.js";
 export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, SolverChoice, ToneMapping } from "./element/attributes.js";
 export type { RebounceEventMap } from "./element/events.js";
 export type { PlayOptions } from "./animation/player.js";
