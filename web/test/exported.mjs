@@ -51,6 +51,21 @@ globalThis.shown = {
     });
     return draw(file, size, finer, THREE.NoColorSpace);
   },
+  /** The share of each pixel that a file covers as one of its animations has it at a time, seconds. */
+  async silhouette(address, name, time, size, finer) {
+    const { scene, cameras, animations } = await new GLTFLoader().loadAsync(address);
+    const [camera] = cameras;
+    const mixer = new THREE.AnimationMixer(scene);
+    mixer.clipAction(animations.find((animation) => animation.name === name)).play();
+    mixer.setTime(time);
+    scene.traverse((object) => {
+      if (!object.isMesh) return;
+      object.material = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide });
+      // Bounds of a skinned mesh are those at rest.
+      object.frustumCulled = false;
+    });
+    return draw({ scene, camera }, size, finer, THREE.NoColorSpace).filter((_, i) => i % 4 === 0);
+  },
   /** Display values, linear, of a file that needs nothing. */
   async unlit(address, size, finer) {
     return draw(await load(address, size), size, finer, THREE.NoColorSpace);

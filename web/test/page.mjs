@@ -34,6 +34,7 @@ import { pictures } from "./page/pictures.mjs";
 import { policy } from "./page/policy.mjs";
 import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
+import { rigs } from "./page/rigs.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { shown } from "./page/shown.mjs";
 import { sky } from "./page/sky.mjs";
@@ -50,7 +51,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, step, state, watch, light, environment, sky, gloss, nodes,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, step, state, watch, light, environment, sky, gloss, nodes, rigs,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide, three,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
