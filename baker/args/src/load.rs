@@ -44,6 +44,10 @@ pub struct LoadArgs {
     /// those that have the animation
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "SECONDS", value_parser = number::at_least_zero)]
     time: Option<f64>,
+    /// What animations deform, skins and morph targets, stands still, and the file is smaller; without it the file has their
+    /// keyframes, and the viewer plays them
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true)]
+    still: bool,
     /// Puts another file, .glb, .gltf or .step, into the scene; may be given several times
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "FILE")]
     add: Vec<String>,
@@ -118,6 +122,7 @@ impl LoadArgs {
             groups: self.group.clone(),
             all_nodes_move,
             pose,
+            is_still: self.still,
         };
         if self.at.len() > self.add.len() {
             return Err(ArgsError::Places { files: self.add.len(), places: self.at.len() });

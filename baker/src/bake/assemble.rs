@@ -1,9 +1,11 @@
 //! Assembles the file's contents.
 
+use super::rig;
 use super::stand_in::{Staged, outside};
 use super::{BakeSettings, BakeSolver};
 use crate::basis::Relations;
 use crate::sampling::Points;
+use crate::scene::rig::UNUSED;
 use crate::scene::steps::{least_step, power_of_two_under, to_steps};
 use crate::scene::{InstancedMesh, Scene};
 use crate::transport::Operator;
@@ -39,7 +41,7 @@ pub(super) fn assemble(
         Some(environment) if sources.sources.has_sky => PackedEnvironment::new(environment).to_bytes(),
         _ => Vec::new(),
     };
-    let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
+    let RenderGeometry { draws, indices, vertices, instances, copies, places } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
@@ -105,12 +107,13 @@ pub(super) fn assemble(
         gloss: Gloss::default(),
         cube_maps: CubeMaps::default(),
         diffuse_transfer: DiffuseTransfer::default(),
+        rig: rig::of_file(scene, &places, points),
     }
 }
 
 /// Returns the file contents without light: geometry, materials, textures.
 pub(super) fn without_light(scene: &Scene) -> BakedScene {
-    let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
+    let RenderGeometry { draws, indices, vertices, instances, copies, .. } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let meta = Meta {
         materials: scene.materials.clone(),
@@ -155,10 +158,17 @@ fn vertices(scene: &Scene) -> Vec<Vertex> {
     (&scene.positions, &scene.normals, &scene.uvs).into_par_iter().map(corner).collect()
 }
 
-/// Merges equal vertices in the order of first use, and updates the indices. Removes vertices without a triangle.
-fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
-    const UNUSED: u32 = u32::MAX;
-    let bits = |i: u32| -> [u32; 6] { bytemuck::cast(vertices[i as usize]) };
+/// Merges equal vertices in the order of first use, and updates the indices. Removes vertices without a triangle. A vertex that
+/// `deforms` stays by itself: others part from it. Returns the vertices, and the number of each vertex among them, or [`UNUSED`].
+fn weld(
+    vertices: &[Vertex],
+    deforms: impl Fn(u32) -> bool + Sync,
+    indices: &mut [u32],
+) -> (Vec<Vertex>, Vec<u32>) {
+    let bits = |i: u32| -> [u32; 7] {
+        let [a, b, c, d, e, f]: [u32; 6] = bytemuck::cast(vertices[i as usize]);
+        [a, b, c, d, e, f, if deforms(i) { i + 1 } else { 0 }]
+    };
     let mut places = vec![UNUSED; vertices.len()];
     let canonical_indices = canonical_indices(vertices.len(), bits);
     let mut welded = Vec::new();
@@ -170,7 +180,8 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
         }
         *index = places[first];
     }
-    welded
+    let now = canonical_indices.iter().map(|first| places[*first as usize]).collect();
+    (welded, now)
 }
 
 /// Geometry sections of the file, for drawing.
@@ -180,6 +191,8 @@ struct RenderGeometry {
     vertices: Vec<Vertex>,
     instances: Vec<Instance>,
     copies: Vec<Copies>,
+    /// Number of each vertex of the scene, or [`UNUSED`].
+    places: Vec<u32>,
 }
 
 /// Returns the geometry: first the triangles outside of models, then the models; within either, triangles are grouped
@@ -200,8 +213,11 @@ fn geometry(scene: &Scene) -> RenderGeometry {
         draws.extend(self::draws(scene, range, &mut indices));
         copies.resize(draws.len(), stands);
     }
-    let vertices = weld(&vertices(scene), &mut indices);
-    RenderGeometry { draws, indices, vertices, instances, copies }
+    let mut deforms = vec![false; if scene.rig.is_empty() { 0 } else { scene.positions.len() }];
+    scene.rig.vertices.iter().for_each(|vertex| deforms[vertex.vertex as usize] = true);
+    let deforms = |i: u32| deforms.get(i as usize) == Some(&true);
+    let (vertices, places) = weld(&vertices(scene), deforms, &mut indices);
+    RenderGeometry { draws, indices, vertices, instances, copies, places }
 }
 
 /// Groups a range of triangles by material into the same range of `indices`: opaque materials first, then masked, then
@@ -242,8 +258,18 @@ mod tests {
         let vertex = |x: f32, normal: u32| Vertex { position: [x, 0.0, 0.0], normal, uv: [0.0; 2] };
         let vertices = [vertex(9.0, 0), vertex(0.0, 1), vertex(1.0, 1), vertex(0.0, 1), vertex(0.0, 2)];
         let mut indices = [1, 2, 4, 3, 2, 4];
-        let welded = weld(&vertices, &mut indices);
+        let (welded, places) = weld(&vertices, |_| false, &mut indices);
         assert_eq!(indices, [0, 1, 2, 0, 1, 2]);
         assert_eq!(welded, [vertices[1], vertices[2], vertices[4]]);
+        assert_eq!(places, [UNUSED, 0, 1, 0, 2]);
+    }
+
+    #[test]
+    fn vertices_that_deform_stay_by_themselves() {
+        let vertices = [Vertex::default(); 4];
+        let mut indices = [0, 1, 2, 0, 1, 3];
+        let (welded, places) = weld(&vertices, |i| i == 1 || i == 2, &mut indices);
+        assert_eq!((welded.len(), indices), (3, [0, 1, 2, 0, 1, 0]));
+        assert_eq!(places, [0, 1, 2, 0]);
     }
 }

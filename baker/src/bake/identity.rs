@@ -5,7 +5,7 @@ use crate::job::checkpoint::Identity;
 use crate::sampling::{PlaceSettings, Points};
 use crate::scene::{InstancedMesh, Scene};
 use crate::transport::OperatorSettings;
-use rebounce_shared::rbn::{container, groups};
+use rebounce_shared::rbn::{container, groups, rig as rigs};
 use sha2::{Digest, Sha256};
 use std::fmt::Debug;
 
@@ -126,6 +126,7 @@ fn digest(scene: &Scene) -> String {
         materials,
         light_groups,
         groups,
+        rig,
         textures,
         lights,
         cameras,
@@ -166,6 +167,11 @@ fn digest(scene: &Scene) -> String {
     if let Ok(Some(bytes)) = groups::encode(groups) {
         add(&bytes);
         add(bytemuck::cast_slice(&groups.of_material));
+    }
+    if let Some(layout) = rigs::encode(&rig.layout).ok().filter(|_| !rig.is_empty()) {
+        add(&layout);
+        add(bytemuck::cast_slice(&rig.vertices));
+        add(bytemuck::cast_slice(&rig.deltas));
     }
     if let Some(environment) = environment {
         add(&environment.width.to_le_bytes());

@@ -1,7 +1,7 @@
 //! The complete bake: from a scene to the contents of a file.
 //!
 //! * [`Baker`] – a bake with all its options; [`bake`] – with the usual ones;
-//! * `stages` – the stages in order; `assemble` – the file's contents;
+//! * `stages` – the stages in order; `assemble` – the file's contents; `rig`, `nearest` – those that animations deform;
 //! * [`solve()`] – a fixed solution, for lights that stay in place; `solve_report` – its figures;
 //! * [`observer`] – progress reports and stopping; `tracker`, `estimate` – progress, and the time left;
 //! * `stand_in` – camera and lamp for scenes without, and the ground of an object;
@@ -17,10 +17,12 @@ pub mod budget;
 mod estimate;
 mod identity;
 pub mod judge;
+mod nearest;
 pub mod observer;
 mod placed;
 mod preset;
 mod report;
+mod rig;
 mod solve;
 mod solve_report;
 mod stages;

@@ -15,6 +15,8 @@ pub struct LoadOptions {
     pub all_nodes_move: bool,
     /// The moment of an animation that nodes, skins and morph targets are in; at rest when absent.
     pub pose: Option<PoseOption>,
+    /// Whether what animations deform stands still, as it does in a pose.
+    pub is_still: bool,
 }
 
 /// A moment of an animation.

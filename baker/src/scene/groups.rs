@@ -11,7 +11,7 @@ use rebounce_shared::rbn::groups::{Group, Groups, MAX_GROUPS, Node};
 pub struct NodeGroups {
     /// Nodes that may move, parents before children.
     pub nodes: Vec<Node>,
-    /// Groups 1, 2, …, each with its node.
+    /// Groups 1, 2, …, each with its node; without, those of meshes that animations deform.
     pub groups: Vec<Group>,
     /// Origin of each group's triangles, world space.
     pub pivots: Vec<DVec3>,
@@ -89,29 +89,33 @@ pub fn assign(
     // Of each material of the file, its groups, each with its own material.
     let mut placed: Vec<Vec<[u32; 2]>> = vec![Vec::new(); scene.materials.len()];
     let mut of_material = vec![0; scene.materials.len()];
-    let meshes = mesh.models.iter_mut().map(|model| (model.group, &mut model.mesh.triangle_material));
-    for (node_group, materials) in std::iter::once((0, &mut mesh.triangle_material)).chain(meshes) {
-        for material in materials.iter_mut() {
-            let group = out.group(node_group, *material);
-            let first = *material as usize;
-            if let Some([_, own]) = placed[first].iter().find(|own| own[0] == group) {
-                *material = *own;
-                continue;
-            }
-            if placed[first].is_empty() {
-                of_material[first] = group;
-            } else {
-                // What shone as one light goes on shining as one.
-                let name = scene.materials[first].name.clone();
-                scene.light_groups.resize(scene.materials.len(), None);
-                let light_group = scene.light_groups[first].get_or_insert(name).clone();
-                scene.light_groups.push(Some(light_group));
-                *material = scene.materials.len() as u32;
-                scene.materials.push(scene.materials[first].clone());
-                of_material.push(group);
-            }
-            placed[first].push([group, *material]);
+    let WorldMesh { triangle_material, triangle_group, models, .. } = mesh;
+    let alone = std::mem::take(triangle_group).into_iter().chain(std::iter::repeat(0));
+    let alone = alone.zip(triangle_material.iter_mut());
+    let modelled = models.iter_mut().flat_map(|model| {
+        let group = model.group;
+        model.mesh.triangle_material.iter_mut().map(move |material| (group, material))
+    });
+    for (node_group, material) in alone.chain(modelled) {
+        let group = out.group(node_group, *material);
+        let first = *material as usize;
+        if let Some([_, own]) = placed[first].iter().find(|own| own[0] == group) {
+            *material = *own;
+            continue;
         }
+        if placed[first].is_empty() {
+            of_material[first] = group;
+        } else {
+            // What shone as one light goes on shining as one.
+            let name = scene.materials[first].name.clone();
+            scene.light_groups.resize(scene.materials.len(), None);
+            let light_group = scene.light_groups[first].get_or_insert(name).clone();
+            scene.light_groups.push(Some(light_group));
+            *material = scene.materials.len() as u32;
+            scene.materials.push(scene.materials[first].clone());
+            of_material.push(group);
+        }
+        placed[first].push([group, *material]);
     }
     let groups = out.groups;
     if !groups.is_empty() {

@@ -1,7 +1,7 @@
 //! One scene put into another.
 
 use super::brep::Brep;
-use super::{InstancedMesh, Scene, SceneError};
+use super::{InstancedMesh, Scene, SceneError, rig};
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::MAX_MATERIALS;
@@ -10,7 +10,8 @@ use rebounce_shared::rbn::meta::{DetailTexture, Material, Property};
 use std::sync::Arc;
 
 impl Scene {
-    /// Puts another scene into this one, its world's origin at `at`, world space: surfaces, lamps, groups and animations. Its
+    /// Puts another scene into this one, its world's origin at `at`, world space: surfaces, lamps, groups,
+    /// animations and what they deform. Its
     /// cameras come along where this scene has none. An environment stays behind, with a note: that of this scene counts.
     ///
     /// # Errors
@@ -31,6 +32,8 @@ impl Scene {
         self.materials.extend(other.materials.drain(..).map(|material| renumbered(material, textures)));
         self.textures.append(&mut other.textures);
         let shift = DVec3::from(other.origin) + at - DVec3::from(self.origin);
+        let own = self.models.first().map_or(self.positions.len() as u32, |model| model.vertices.start);
+        rig::add(&mut self.rig, std::mem::take(&mut other.rig), shift, own);
         self.add_triangles(&other, shift, materials as u32);
         if let Some(brep) = &other.brep {
             let mut all = self.brep.take().map(Arc::unwrap_or_clone).unwrap_or_default();

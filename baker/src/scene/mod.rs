@@ -4,6 +4,7 @@
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes; [`brep`] – exact faces; [`assembly`] – scenes from CAD assemblies;
+//! * [`rig`] – meshes that animations deform;
 //! * `join` – a scene put into another; [`material_look`] – looks by name; `colours` – vertex colours; `emissive` – groups of emissive surfaces; [`groups`] – reconstruction groups;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
@@ -22,6 +23,7 @@ pub mod model;
 pub(crate) mod needed;
 mod orientation;
 pub mod outliers;
+pub mod rig;
 pub(crate) mod steps;
 pub mod texture;
 mod texture_size;
@@ -39,6 +41,7 @@ use rebounce_shared::environment::Environment;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::groups::Groups;
 use rebounce_shared::rbn::meta::{Animation, Material};
+use rebounce_shared::rig::Rig;
 use std::sync::Arc;
 
 /// Maximum number of vertices, and of triangles, of a scene. A larger scene and its bake exceed the memory of usual
@@ -77,6 +80,11 @@ pub struct Scene {
     pub light_groups: Vec<Option<String>>,
     /// Reconstruction groups, and the nodes that may move; each group's materials are its own.
     pub groups: Groups,
+    /// Meshes that animations deform; the vertices above have them at rest. [`RigVertex::vertex`] is a vertex of the scene, of
+    /// triangles without instances.
+    ///
+    /// [`RigVertex::vertex`]: rebounce_shared::rig::RigVertex::vertex
+    pub rig: Rig,
     /// Textures of the materials.
     pub textures: Vec<Texture>,
     /// The scene's own lights, world space.
@@ -136,10 +144,15 @@ impl Scene {
         detail::part_of(corners.chain(copies)).unwrap_or_else(|| self.bounds())
     }
 
-    /// Returns this scene with other triangles in the place of its own.
+    /// Returns this scene with other triangles in the place of its own. They do not deform, and a note says so where the scene's
+    /// do.
     pub fn with_triangles(&self, mesh: TriangleMesh) -> Self {
         let TriangleMesh { positions, normals, mut uvs, triangles, triangle_material } = mesh;
         uvs.resize(positions.len(), Vec2::ZERO);
+        let mut notes = self.notes.clone();
+        if !self.rig.is_empty() {
+            notes.push(rig::STILL.to_owned());
+        }
         Self {
             positions,
             normals,
@@ -149,6 +162,8 @@ impl Scene {
             corner_colors: Vec::new(),
             models: Vec::new(),
             brep: None,
+            rig: Rig::default(),
+            notes,
             ..self.clone()
         }
     }

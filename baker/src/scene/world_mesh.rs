@@ -1,8 +1,10 @@
 //! World-space triangles of a file or a generator, and their conversion into a scene's local space.
 
 use super::model::bounds_of_placed;
-use super::{InstancedMesh, Scene, bounds_of, colours, detail};
+use super::rig::UNUSED;
+use super::{InstancedMesh, Scene, bounds_of, colours, detail, rig};
 use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3, Vec4};
+use rebounce_shared::rig::Rig;
 
 /// World-space vertices and triangles, before conversion into a [`Scene`].
 #[derive(Default)]
@@ -19,6 +21,10 @@ pub struct WorldMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Index of the material, one per triangle.
     pub triangle_material: Vec<u32>,
+    /// [Group of nodes](super::groups::NodeGroups) of each triangle; those beyond the end have none.
+    pub triangle_group: Vec<u32>,
+    /// Meshes that animations deform, among the vertices above. The first of its nodes is the world; it has no bounds yet.
+    pub rig: Rig,
     /// Instanced meshes, in addition to [`Self::triangles`].
     pub models: Vec<WorldInstancedMesh>,
     /// Number of vertices and of triangles of the models.
@@ -67,7 +73,12 @@ impl WorldMesh {
         let origin = main.or(bounds).map_or(DVec3::ZERO, |[low, high]| (low + high) * 0.5);
         scene.origin = origin.to_array();
         let mut colors = Vec::new();
-        self.append(scene, origin, &mut colors);
+        let rig = std::mem::take(&mut self.rig);
+        let places = self.append(scene, origin, &mut colors);
+        scene.rig = rig::placed(rig, &places, scene.positions.len(), origin).unwrap_or_else(|| {
+            scene.notes.push(rig::STILL.to_owned());
+            Rig::default()
+        });
         for WorldInstancedMesh { mesh, world_from_model, group: _ } in models {
             let copies = world_from_model.len().saturating_sub(1);
             let (first_triangle, first_vertex) = (scene.triangles.len() as u32, scene.positions.len());
@@ -94,9 +105,10 @@ impl WorldMesh {
         colours::apply(scene, &colors);
     }
 
-    /// Appends the non-degenerate triangles, without models, to a scene.
-    pub fn append(self, scene: &mut Scene, origin: DVec3, colors: &mut Vec<Vec4>) {
-        let mut used = vec![u32::MAX; self.positions.len()];
+    /// Appends the non-degenerate triangles, without models, to a scene. Returns the number of each vertex in the scene, or
+    /// [`UNUSED`].
+    pub fn append(self, scene: &mut Scene, origin: DVec3, colors: &mut Vec<Vec4>) -> Vec<u32> {
+        let mut used = vec![UNUSED; self.positions.len()];
         if !self.colors.is_empty() {
             colors.resize(scene.positions.len(), Vec4::ONE);
         }
@@ -107,7 +119,7 @@ impl WorldMesh {
             }
             let local = t.map(|i| {
                 let slot = &mut used[i as usize];
-                if *slot == u32::MAX {
+                if *slot == UNUSED {
                     *slot = scene.positions.len() as u32;
                     scene.positions.push((self.positions[i as usize] - origin).as_vec3());
                     scene.normals.push(self.normals[i as usize]);
@@ -121,6 +133,7 @@ impl WorldMesh {
             scene.triangles.push(local);
             scene.triangle_material.push(material);
         }
+        used
     }
 }
 

@@ -1,5 +1,6 @@
 //! `rebounce info`: what is inside a baked file, or a scene that is not yet baked.
 
+mod rig;
 mod scene;
 
 use super::draft::scene_kind;
@@ -107,6 +108,7 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     out["is_for_environment"] = scene.is_for_environment().into();
     out["groups"] = groups_with_points(scene).map(group_json).collect();
     out["nodes"] = scene.groups.nodes.iter().map(node_json).collect();
+    out["rig"] = rig::as_json(&scene.rig);
     out["node_animations"] = scene.groups.animations.iter().map(animation_json).collect();
     out
 }
@@ -264,6 +266,9 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
             if i == 0 { "keyframes" } else { "" },
             format!("{name:?}, {duration} s, {} tracks of nodes", tracks.len()),
         );
+    }
+    for (i, text) in rig::as_text(&scene.rig).into_iter().enumerate() {
+        line(if i == 0 { "deforms" } else { "" }, text);
     }
     line("sections", String::new());
     for s in sections {

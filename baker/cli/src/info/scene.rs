@@ -1,6 +1,6 @@
 //! What a scene's file holds, before it is baked: the names that `--materials` and `--group` take, exact faces, what is left out.
 
-use super::{material_json, size_around};
+use super::{material_json, rig, size_around};
 use anyhow::Result;
 use rebounce::io::load;
 use rebounce::scene::Scene;
@@ -45,6 +45,7 @@ fn as_json(spec: &str, scene: &Scene) -> Value {
         "part_instances": scene.brep.as_ref().map_or(0, |brep| brep.instances.len()),
         "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
         "textures": scene.textures.len(),
+        "rig": rig::as_json(&scene.rig),
         "lights": scene.lights,
         "cameras": scene.cameras,
         "left_out": scene.left_out,
@@ -67,6 +68,9 @@ fn as_text(spec: &str, scene: &Scene) -> String {
         let kinds: Vec<String> = faces(scene).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let parts = brep.instances.len();
         line("exact faces", format!("{} in {parts} placed parts: {}", brep.faces.len(), kinds.join(", ")));
+    }
+    for (i, text) in rig::as_text(&scene.rig).into_iter().enumerate() {
+        line(if i == 0 { "deforms" } else { "" }, text);
     }
     for (i, m) in scene.materials.iter().enumerate() {
         let [r, g, b, _] = m.base_color;

@@ -19,6 +19,8 @@ pub(super) struct Animated<'a> {
     pub(super) lights: &'a [(usize, usize)],
     /// Of each node, its place among those that may move.
     pub(super) places: &'a [Option<u32>],
+    /// Of each animation, whether it deforms a mesh.
+    pub(super) deform: &'a [bool],
 }
 
 /// Returns the animations of lights, and of nodes that may move. Those of other geometry are left out: the bake holds it still.
@@ -27,7 +29,7 @@ pub(super) fn animations(
     animated: &Animated,
     left_out: &mut Vec<String>,
 ) -> Result<(Vec<Animation>, Vec<NodeAnimation>), SceneError> {
-    let Animated { nodes, lights, places } = *animated;
+    let Animated { nodes, lights, places, deform } = *animated;
     let (mut out, mut of_nodes) = (Vec::new(), Vec::new());
     for (a, animation) in source.root.animations.iter().enumerate() {
         let name = animation.name.clone().filter(|name| !name.is_empty());
@@ -66,9 +68,12 @@ pub(super) fn animations(
         {
             left_out.push(format!("{name:?}: nodes that may move keep their size"));
         }
+        if tracks.is_empty() && moving.is_empty() && deform.get(a) == Some(&true) {
+            continue;
+        }
         if tracks.is_empty() && moving.is_empty() {
             left_out.push(format!(
-                "{name:?}: it moves no light, and nodes stand still but those named with --group, or with --solver radiosity"
+                "{name:?}: it moves no light and deforms no mesh, and nodes stand still but those named with --group, or with --solver radiosity"
             ));
             continue;
         }

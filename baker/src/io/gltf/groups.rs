@@ -11,16 +11,19 @@ use crate::scene::groups::{MaterialGroup, NodeGroups};
 use glam::DVec3;
 use rebounce_shared::rbn::groups::{Group, MAX_DENSITY, MAX_GROUPS, Node};
 
-/// Returns the groups of nodes, the group of each node in the order of `nodes`, and its place among those that may move.
+/// Returns the groups of nodes: of those that are one, and of each node whose mesh animations deform (`deforms`), which does not
+/// move by hand. Also the group of each node in the order of `nodes`, and its place among those that may move.
 pub(super) fn of_nodes(
     source: &Source,
     nodes: &[PlacedNode],
+    deforms: &[bool],
     options: &LoadOptions,
     told: &mut Told,
 ) -> (NodeGroups, Vec<u32>, Vec<Option<u32>>) {
     let densities: Vec<Option<f32>> =
         nodes.iter().map(|node| density(source, node, &options.groups, told)).collect();
-    let (holders, is_full) = holders(source, nodes, |i| options.all_nodes_move || densities[i].is_some());
+    let is_group = |i: usize| options.all_nodes_move || densities[i].is_some();
+    let (holders, is_full) = holders(source, nodes, deforms, is_group);
     if is_full {
         let problem = format!("there can be {MAX_GROUPS} groups; name those that should with --group");
         told.notes.push(format!("some nodes cannot move: {problem}"));
@@ -55,13 +58,42 @@ pub(super) fn of_nodes(
         }
         out.nodes.push(Node { name, parent, origin: origin.to_array() });
     }
-    let of_node = holders.iter().map(|holder| holder.map_or(0, |holder| groups[holder])).collect();
+    let mut of_node: Vec<u32> =
+        holders.iter().map(|holder| holder.map_or(0, |holder| groups[holder])).collect();
+    for (i, placed) in nodes.iter().enumerate().filter(|(i, _)| deforms[*i]) {
+        if way(nodes, i).any(is_group) {
+            let problem = "an animation deforms it, so that it does not move by hand";
+            told.notes.push(format!("{}: {problem}", node::name(source, placed.index)));
+        }
+        if out.groups.len() == MAX_GROUPS {
+            let problem = format!("there can be {MAX_GROUPS} groups, so that it has none of its own");
+            told.notes.push(format!("{}: {problem}", node::name(source, placed.index)));
+            continue;
+        }
+        let name = source.root.nodes[placed.index].name.clone().unwrap_or_default();
+        out.groups.push(Group { name, density: inherited[i], node: None });
+        out.pivots.push(DVec3::ZERO);
+        of_node[i] = out.groups.len() as u32;
+    }
     (out, of_node, places)
 }
 
-/// The groups by material that are wanted: names that no group of nodes has.
-pub(super) fn of_materials(nodes: &NodeGroups, options: &LoadOptions) -> Vec<MaterialGroup> {
-    let is_node = |option: &&GroupOption| nodes.nodes.iter().any(|node| node.name == option.name);
+/// The groups by material that are wanted: names that no group of nodes has, nor a node at or above what `deforms`.
+pub(super) fn of_materials(
+    source: &Source,
+    nodes: &[PlacedNode],
+    deforms: &[bool],
+    groups: &NodeGroups,
+    options: &LoadOptions,
+) -> Vec<MaterialGroup> {
+    let name = |i: usize| source.root.nodes[nodes[i].index].name.as_deref().unwrap_or_default();
+    let is_above = |own: &str| {
+        let mut deforming = (0..nodes.len()).filter(|i| deforms[*i]);
+        deforming.any(|i| way(nodes, i).any(|above| name(above) == own))
+    };
+    let is_node = |option: &&GroupOption| {
+        groups.nodes.iter().any(|node| node.name == option.name) || is_above(&option.name)
+    };
     let group = |option: &GroupOption| MaterialGroup { name: option.name.clone(), density: option.density };
     options.groups.iter().filter(|option| !is_node(option)).map(group).collect()
 }
@@ -92,14 +124,15 @@ fn density(source: &Source, node: &PlacedNode, wanted: &[GroupOption], told: &mu
     density.map(|density| density as f32)
 }
 
-/// The node whose group the mesh of each node belongs to; `None` for those of group 0. Where there are more nodes with
+/// The node whose group the mesh of each node belongs to; `None` for those of group 0, and for what `deforms`. Where there are more nodes with
 /// meshes than groups, the nodes above take in those below, the deepest ones first. Also returns whether there are still more.
 fn holders(
     source: &Source,
     nodes: &[PlacedNode],
+    deforms: &[bool],
     is_group: impl Fn(usize) -> bool,
 ) -> (Vec<Option<usize>>, bool) {
-    let has_mesh = |i: usize| source.root.nodes[nodes[i].index].mesh.is_some();
+    let has_mesh = |i: usize| source.root.nodes[nodes[i].index].mesh.is_some() && !deforms[i];
     let depth = |i: usize| way(nodes, i).count();
     let nearest = |i: usize| way(nodes, i).find(|at| is_group(*at));
     let mut holders: Vec<Option<usize>> =

@@ -9,6 +9,9 @@ use gltf::json::accessor::Type;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// Extension for instances.
+pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
+
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Instances {
@@ -19,7 +22,7 @@ struct Instances {
 pub(super) fn of(source: &Source, node: &PlacedNode) -> Result<Vec<DMat4>, SceneError> {
     let of = &source.root.nodes[node.index];
     let instances: Option<Instances> =
-        source.read_extension(of, &["EXT_mesh_gpu_instancing"], format_args!("node {}", node.index))?;
+        source.read_extension(of, &[NAME], format_args!("node {}", node.index))?;
     let Some(instances) = instances else {
         return Ok(vec![node.world]);
     };

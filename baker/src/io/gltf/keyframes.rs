@@ -22,7 +22,7 @@ pub(super) struct Curve<const W: usize> {
     pub(super) kind: Kind,
     pub(super) times: Vec<f64>,
     /// One value per key; for splines three: in-tangent, value, out-tangent.
-    values: Vec<[f64; W]>,
+    pub(super) values: Vec<[f64; W]>,
 }
 
 impl<const W: usize> Curve<W> {

@@ -1,5 +1,6 @@
 //! Meshes of the file, in mesh space.
 
+use super::bind::Bind;
 use super::material::Materials;
 use super::notes::Told;
 use super::primitive::PrimitiveReader;
@@ -25,6 +26,8 @@ pub(super) struct MeshPart {
     pub colors: Option<Vec<Vec4>>,
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
+    /// The part before it is deformed, if animations do that.
+    pub bind: Option<Bind>,
 }
 
 /// Name of a mesh in errors.
@@ -133,10 +136,12 @@ fn part(
     }
     let mut triangles = numbers.triangles(count)?;
     let mut positions: Vec<DVec3> = positions.into_iter().map(DVec3::from).collect();
+    let mut bind = rest.bind(source, primitive, &numbers, &positions, normals.as_deref())?;
     if rest.apply(source, primitive, &numbers, &mut positions, normals.as_deref_mut())? {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        bind.iter_mut().for_each(|bind| bind.is_mirrored = true);
     }
-    Ok(Some(MeshPart { what, positions, normals, uvs, colors, triangles, material }))
+    Ok(Some(MeshPart { what, positions, normals, uvs, colors, triangles, material, bind }))
 }
 
 /// Returns the default in place of a non-finite value, and increments `count`.

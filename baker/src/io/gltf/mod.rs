@@ -5,7 +5,8 @@
 //! * `meshopt`, `draco` – decompression; `extensions` – supported and refused extensions;
 //! * `material`, `texture_info`, `specular`, `transmission` – materials, texture references, highlights, transmission; `picture` – image
 //!   selection; `merge` – merging of equal materials;
-//! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
+//! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins; `deforming`, `bind`, `rig` – what animations
+//!   deform of them;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
 //! * `posed` – the file as an animation has it at a time;
 //! * `groups` – reconstruction groups;
@@ -15,8 +16,10 @@ mod accessor;
 mod animation;
 mod area_light;
 mod beside;
+mod bind;
 mod choice;
 mod container;
+mod deforming;
 mod document;
 mod draco;
 mod enclosed;
@@ -43,6 +46,7 @@ mod primitive;
 mod punctual;
 mod repair;
 mod rest;
+mod rig;
 mod source;
 mod specular;
 mod texture_info;
@@ -61,7 +65,8 @@ use mesh::MeshPart;
 use notes::{Told, grouped};
 use place::PlacementNotes;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
-use rest::{Rest, Skins};
+use rest::{Animated, Rest, Skins};
+use rig::RigBuilder;
 use source::Source;
 use std::collections::BTreeMap;
 use std::iter::Zip;
@@ -125,9 +130,18 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
     let light_groups = light_group::names(source, &nodes, &options.light_groups, &mut told);
-    let (node_groups, of_node, places) = groups::of_nodes(source, &nodes, options, &mut told);
-    let grouped_nodes = Nodes { nodes: &nodes, light_groups, groups: &node_groups, of_node };
-    let seen = place_all(source, &grouped_nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
+    let animated = match options.pose.is_some() || options.is_still {
+        true => vec![None; nodes.len()],
+        false => deforming::nodes(source, &nodes, &mut told)?,
+    };
+    let deforms: Vec<bool> = animated.iter().map(Option::is_some).collect();
+    let (node_groups, of_node, places) = groups::of_nodes(source, &nodes, &deforms, options, &mut told);
+    let grouped_nodes = Nodes { nodes: &nodes, light_groups, groups: &node_groups, of_node, animated };
+    let mut rig = RigBuilder::new(source);
+    let out = &mut Placed { mesh: &mut mesh, rig: &mut rig };
+    let seen = place_all(source, &grouped_nodes, &mut materials, &mut lamps, out, &mut told)?;
+    let deform;
+    (mesh.rig, deform) = rig.finish(&mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
@@ -136,7 +150,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     }
     materials.finish(&mut scene)?;
     merge(&mut scene, &mut mesh, &source.file)?;
-    let by_material = groups::of_materials(&node_groups, options);
+    let by_material = groups::of_materials(source, &nodes, &deforms, &node_groups, options);
     let lost = crate::scene::groups::assign(&mut scene, &mut mesh, node_groups, &by_material);
     let told_of = |name| format!("--group {name:?}: no node and no material of the scene has this name");
     told.notes.extend(lost.into_iter().map(told_of));
@@ -170,13 +184,14 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
             scene.camera_names.push(node::camera_name(source, node));
         }
     }
-    let moved = animation::Animated { nodes: &nodes, lights: &moved, places: &places };
+    let moved = animation::Animated { nodes: &nodes, lights: &moved, places: &places, deform: &deform };
     (scene.animations, scene.groups.animations) = animation::animations(source, &moved, &mut scene.left_out)?;
     if scene.groups.is_empty() {
         scene.groups.animations.clear();
     }
     told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
     told.notes.extend(source.notes());
+    told.notes.append(&mut scene.notes);
     scene.left_out = grouped(scene.left_out);
     scene.notes = grouped(told.notes);
     Ok(scene)
@@ -190,6 +205,14 @@ struct Nodes<'a> {
     groups: &'a NodeGroups,
     /// Group of each node.
     of_node: Vec<u32>,
+    /// What animations change of the deformation of each node's mesh, if they do.
+    animated: Vec<Option<Animated>>,
+}
+
+/// What is placed so far.
+struct Placed<'a, 'b> {
+    mesh: &'a mut WorldMesh,
+    rig: &'a mut RigBuilder<'b>,
 }
 
 /// Mesh index, index of the deforming node, if any, group of shining surfaces, if its nodes name one, and group of nodes.
@@ -199,10 +222,10 @@ type Shape = (usize, Option<usize>, Option<Rc<str>>, u32);
 /// placed; a mesh with many placements becomes a model.
 fn place_all(
     source: &Source,
-    Nodes { nodes, light_groups, groups, of_node }: &Nodes<'_>,
+    Nodes { nodes, light_groups, groups, of_node, animated }: &Nodes<'_>,
     materials: &mut material::Materials,
     lamps: &mut Lamps,
-    out: &mut WorldMesh,
+    Placed { mesh: out, rig }: &mut Placed<'_, '_>,
     told: &mut Told,
 ) -> Result<BTreeMap<usize, PlacementNotes>, SceneError> {
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
@@ -210,12 +233,18 @@ fn place_all(
     let mut skins = Skins::default();
     // Shape of every node with a mesh, and the number of placements added by the node.
     let mut placed: Vec<(Shape, usize)> = Vec::new();
+    let mut animated_nodes: BTreeMap<usize, &node::PlacedNode> = BTreeMap::new();
     let mut count = 0;
-    for ((node, light_group), group) in nodes.iter().zip(light_groups).zip(of_node) {
+    for (((node, light_group), group), animated) in nodes.iter().zip(light_groups).zip(of_node).zip(animated)
+    {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let index = index.value();
         let mut more = instances::of(source, node)?;
-        let rest = Rest::of_node(source, node.index, index, node.world, &mut skins)?;
+        let mut rest = Rest::of_node(source, node.index, index, node.world, &mut skins)?;
+        if let Some(animated) = animated {
+            rest = Some(rest.unwrap_or_else(|| Rest::of_mesh(source, index)).animated(*animated));
+            animated_nodes.insert(node.index, node);
+        }
         if rest.as_ref().is_some_and(Rest::is_skinned) {
             if more.len() > 1 {
                 let problem = "it has a skin, whose joints place it once";
@@ -240,6 +269,24 @@ fn place_all(
         let (index, deforming, light_group, group) = &shape;
         let (index, deforming, group) = (*index, *deforming, *group);
         let seen = seen.entry(index).or_default();
+        let animated = deforming.and_then(|node| animated_nodes.get(&node));
+        if let Some(node) = animated {
+            let rest = deforming.and_then(|node| rests.remove(&node)).unwrap_or_default();
+            let parts = mesh::read(source, index, &rest, (materials, light_group.as_deref()), told)?;
+            let places = places.remove(&shape).unwrap_or_default();
+            let opaque: Vec<&MeshPart> =
+                parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
+            lamps.look(index, &opaque, &places);
+            let matrix = places.first().copied().unwrap_or(DMat4::IDENTITY);
+            let (vertex, triangle) = (out.positions.len(), out.triangles.len());
+            for part in &parts {
+                place::append(source, part, &matrix, out, seen)?;
+            }
+            out.triangle_group.resize(triangle, 0);
+            out.triangle_group.resize(out.triangles.len(), group);
+            rig.add(node, &rest, &parts, &matrix, vertex as u32, told)?;
+            continue;
+        }
         let (parts, mut alone) = match known.remove(&shape) {
             Some(found) => found,
             None => {

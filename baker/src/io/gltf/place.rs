@@ -82,6 +82,20 @@ fn out_of_range(source: &Source, part: &MeshPart) -> SceneError {
     source.malformed(format!("{} {problem}", part.what))
 }
 
+/// The part's vertex of each vertex that [`append`] adds.
+pub(super) fn origins(part: &MeshPart, matrix: &DMat4) -> Vec<u32> {
+    let mirrored = DMat3::from_mat4(*matrix).determinant() < 0.0;
+    match part.normals {
+        Some(_) => (0..part.positions.len() as u32).collect(),
+        None => part.triangles.iter().flat_map(|t| turned(t, mirrored)).collect(),
+    }
+}
+
+/// Corners of a triangle, counter-clockwise once it is placed.
+fn turned(&[a, b, c]: &[u32; 3], mirrored: bool) -> [u32; 3] {
+    if mirrored { [a, c, b] } else { [a, b, c] }
+}
+
 /// Appends a part, placed by `matrix`.
 pub(super) fn append(
     source: &Source,
@@ -99,7 +113,7 @@ pub(super) fn append(
     if !world.iter().all(|p| p.abs().max_element() <= FAR) {
         return Err(out_of_range(source, part));
     }
-    let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+    let turned = |corners: &[u32; 3]| turned(corners, mirrored);
     for t in &part.triangles {
         let corners = t.map(|i| world[i as usize]);
         let [a, b, c] = corners;

@@ -1,5 +1,6 @@
 //! Rest pose of meshes: morph targets with default weights (glTF 2.0, 3.7.2.2), then skins (3.7.3.3).
 
+use super::bind::Bind;
 use super::primitive::PrimitiveReader;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -15,6 +16,15 @@ pub(super) struct Rest {
     /// Weights of the morph targets, in file order; targets beyond the end have weight 0.
     weights: Vec<f64>,
     skin: Option<Skin>,
+    /// What animations change of it, if they do.
+    animated: Option<Animated>,
+}
+
+/// What animations change of a deformation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Animated {
+    /// Whether they change the weights of morph targets; joints, or nodes above, otherwise.
+    pub weights: bool,
 }
 
 /// Linear blend skinning.
@@ -30,7 +40,44 @@ impl Rest {
     /// The mesh's default deformation, for nodes without skin or weights.
     pub fn of_mesh(source: &Source, mesh: usize) -> Self {
         let weights = source.root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_deref());
-        Self { weights: as_f64(weights.unwrap_or_default()), skin: None }
+        Self { weights: as_f64(weights.unwrap_or_default()), skin: None, animated: None }
+    }
+
+    /// The same, deformed by animations.
+    pub fn animated(self, animated: Animated) -> Self {
+        Self { animated: Some(animated), ..self }
+    }
+
+    /// Weights of the morph targets, in file order.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Whether animations change the weights of morph targets.
+    pub fn has_animated_weights(&self) -> bool {
+        self.animated.is_some_and(|animated| animated.weights)
+    }
+
+    /// Reads what animations deform; `None` where they do not. Morph targets whose weights they leave alone are applied.
+    ///
+    /// # Errors
+    /// Morph targets or joints that are missing or of the wrong length.
+    pub fn bind(
+        &self,
+        source: &Source,
+        primitive: &Primitive,
+        numbers: &PrimitiveReader,
+        positions: &[DVec3],
+        normals: Option<&[DVec3]>,
+    ) -> Result<Option<Bind>, SceneError> {
+        let Some(animated) = self.animated else { return Ok(None) };
+        let (mut positions, mut normals) = (positions.to_vec(), normals.map(<[DVec3]>::to_vec));
+        if !animated.weights {
+            self.morph(source, primitive, numbers, &mut positions, normals.as_deref_mut())?;
+        }
+        let targets = if animated.weights { primitive.targets.as_deref() } else { None };
+        Bind::read(source, targets.unwrap_or_default(), numbers, (positions, normals), self.is_skinned())
+            .map(Some)
     }
 
     /// The deformation by a node that has a skin or weights; `None` without both.
@@ -218,23 +265,12 @@ impl Skins {
         if let Some(found) = self.found.get(&index) {
             return Ok(found.clone());
         }
-        let skin = source.root.skins.get(index);
-        let skin = skin.ok_or_else(|| source.malformed(format!("there is no skin {index}")))?;
-        let what = format!("the inverse bind matrices of skin {index}");
-        let binds = match skin.inverse_bind_matrices {
-            Some(accessor) => Some(source.read::<16>(accessor.value(), Type::Mat4, &what)?),
-            None => None,
-        };
-        if binds.as_ref().is_some_and(|binds| binds.len() < skin.joints.len()) {
-            return Err(source.malformed(format!("{what} are fewer than its joints")));
-        }
-        let of_joint = |(j, joint): (usize, usize)| {
-            let bind = binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
+        let of_joint = |(j, (joint, bind)): (usize, (usize, DMat4))| {
             let matrix = self.world(source, joint)? * bind;
             let problem = || source.malformed(format!("joint {j} of skin {index} is not finite"));
             if matrix.is_finite() { Ok(matrix) } else { Err(problem()) }
         };
-        let joints = skin.joints.iter().map(|joint| joint.value()).enumerate().map(of_joint);
+        let joints = joints(source, index)?.into_iter().enumerate().map(of_joint);
         let joints: Rc<[DMat4]> = joints.collect::<Result<_, _>>()?;
         self.found.insert(index, joints.clone());
         Ok(joints)
@@ -266,7 +302,27 @@ impl Skins {
     }
 }
 
-fn parents(source: &Source) -> Vec<Option<usize>> {
+/// Joints of a skin: nodes, and their inverse bind matrices.
+///
+/// # Errors
+/// A skin that is missing, or has fewer matrices than joints.
+pub(super) fn joints(source: &Source, index: usize) -> Result<Vec<(usize, DMat4)>, SceneError> {
+    let skin = source.root.skins.get(index);
+    let skin = skin.ok_or_else(|| source.malformed(format!("there is no skin {index}")))?;
+    let what = format!("the inverse bind matrices of skin {index}");
+    let binds = match skin.inverse_bind_matrices {
+        Some(accessor) => Some(source.read::<16>(accessor.value(), Type::Mat4, &what)?),
+        None => None,
+    };
+    if binds.as_ref().is_some_and(|binds| binds.len() < skin.joints.len()) {
+        return Err(source.malformed(format!("{what} are fewer than its joints")));
+    }
+    let bind = |j: usize| binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
+    Ok(skin.joints.iter().enumerate().map(|(j, joint)| (joint.value(), bind(j))).collect())
+}
+
+/// Parent of every node, in any scene.
+pub(super) fn parents(source: &Source) -> Vec<Option<usize>> {
     let mut parents = vec![None; source.root.nodes.len()];
     for (i, node) in source.root.nodes.iter().enumerate() {
         for child in node.children.iter().flatten() {

@@ -2,6 +2,7 @@ mod lenient;
 mod meshes;
 mod node_animation;
 mod rest;
+mod rig;
 mod specular;
 mod told;
 

@@ -9,6 +9,7 @@ pub mod shelves;
 pub mod texels;
 
 use super::{ScenePatches, WaveletGroups};
+use crate::scene::rig::renumber;
 use charts::{ModelCharts, charts};
 use glam::{DVec2, UVec2};
 use rebounce_shared::baked::BakedScene;
@@ -166,6 +167,8 @@ fn divide_vertices(file: &mut BakedScene, layouts: &[ModelLayout]) -> Vec<TexelC
     }
     let mut known: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
     let (mut vertices, mut coordinates): (Vec<Vertex>, Vec<TexelCoordinates>) = Default::default();
+    // By vertex, what becomes of it.
+    let mut now: Vec<Vec<u32>> = vec![Vec::new(); if file.rig.is_empty() { 0 } else { file.vertices.len() }];
     for (index, corner) in file.indices.iter_mut().zip(of_corner) {
         let (chart, at) = match corner {
             Some((chart, at)) => (Some(chart), at),
@@ -183,9 +186,15 @@ fn divide_vertices(file: &mut BakedScene, layouts: &[ModelLayout]) -> Vec<TexelC
         }
         vertices.push(file.vertices[*index as usize]);
         coordinates.push(at);
+        if let Some(now) = now.get_mut(*index as usize) {
+            now.push(vertices.len() as u32 - 1);
+        }
         *index = vertices.len() as u32 - 1;
         same.push(*index);
     }
     file.vertices = vertices;
+    if !file.rig.is_empty() {
+        renumber(&mut file.rig, |vertex| now[vertex as usize].iter().copied());
+    }
     coordinates
 }
