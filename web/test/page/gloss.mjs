@@ -6,7 +6,7 @@ import { exec } from "../agreement.mjs";
 import { check, equal } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
-const SIZE = [96, 64];
+const SIZE = [48, 32];
 /** The ring and its balls fill the picture. */
 const CAMERA = { position: [0.45, 1.35, 1.5], target: [0, 1.2, 0], up: [0, 1, 0], yfov_deg: 40 };
 
@@ -22,7 +22,7 @@ export async function gloss(harness, context) {
 
   /** Opens a bake of the trophy; `args` are those of the bake. */
   async function shown(name, args) {
-    await exec(context.rebounce, ["bake", "builtin:trophy", "--preset", "draft", "--functions", "6K", "-o", file(name), ...args]);
+    await exec(context.rebounce, ["bake", "builtin:trophy", "--preset", "draft", "--functions", "2K", "-o", file(name), ...args]);
     const body = await readFile(file(name));
     const routes = { "**/trophy.rbn": (route) => route.fulfill({ body, contentType: "application/octet-stream" }) };
     const prepare = () => {
