@@ -6,7 +6,7 @@ import { agreement, exec } from "../agreement.mjs";
 import { check, equal, near, same } from "../harness.mjs";
 import { open, outcome } from "./open.mjs";
 
-const SIZE = [96, 64];
+const SIZE = [48, 32];
 /** Where the sky is seen behind the yard; and where nothing but the yard is, as the command's exposure is of surfaces alone. */
 const FAR = { position: [3.5, 2.2, 3.5], target: [-0.6, 0.5, -0.6], up: [0, 1, 0], yfov_deg: 50 };
 const CAMERA = { position: [1.6, 2.6, 1.6], target: [-0.4, 0, -0.4], up: [0, 1, 0], yfov_deg: 40 };
@@ -39,7 +39,7 @@ function yard() {
 
 /** In the page: what it looks like, the sun, and how much two pictures differ. */
 function helpers() {
-  globalThis.pixels = async () => Array.from(await viewer.readPixels(96, 64));
+  globalThis.pixels = async () => Array.from(await viewer.readPixels(48, 32));
   globalThis.total = async () => (await viewer.readPixels(24, 16)).reduce((a, b) => a + b, 0);
   globalThis.suns = () => viewer.lights.filter(({ type }) => type === "directional");
   globalThis.lit = (claim) => until(() => suns().some(claim));
