@@ -145,7 +145,7 @@ fn exported(file: &BakedScene, form: Form, is_unwrapped: bool) -> Export {
 #[test]
 fn exports_take_the_charts_and_texels_of_the_file() {
     let scene = rebounce::io::load("builtin:teapot").unwrap();
-    let (file, charts) = solved(&scene, WaveletSettings { convergence: 0.8, ..WaveletSettings::default() });
+    let (file, charts) = solved(&scene, WaveletSettings { convergence: 0.5, ..WaveletSettings::default() });
     let made = exported(&file, Form::LightmapTexture, false);
     let (atlas, texture) = (made.atlas.unwrap(), made.lightmap.unwrap());
     assert!(atlas.is_own && atlas.size == file.lightmap.layout.size, "{atlas:?}");

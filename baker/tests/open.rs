@@ -65,6 +65,14 @@ fn baked(scene: &Scene) -> (BakedScene, BakeReport) {
     bake(scene, &settings, &()).unwrap()
 }
 
+/// A bake of which only viewpoints and lamps are looked at.
+fn sketched(scene: &Scene) -> (BakedScene, BakeReport) {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (3, 1_200);
+    settings.operator.rays = vec![256];
+    bake(scene, &settings, &()).unwrap()
+}
+
 /// Error of the bounced light against a path tracer, seen from `from`.
 fn error(scene: &Scene, baked: &BakedScene, from: Vec3) -> f64 {
     let camera = Camera {
@@ -136,7 +144,7 @@ fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
     for (walls, double_sided) in [(shell(inward), false), (shell(inward), true), (shell(out), true)] {
         let mut blocks = furniture();
         blocks.push(walls);
-        let (file, report) = baked(&scene(&blocks, double_sided));
+        let (file, report) = sketched(&scene(&blocks, double_sided));
         // In a room without lamp, a lamp is added above the camera.
         let [Light::Point { position, .. }] = file.meta.lights[..] else { panic!("{:?}", file.meta.lights) };
         let camera = file.meta.cameras[0].position;
@@ -153,14 +161,14 @@ fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
     }
     // Only a lamp distinguishes an empty box from an object.
     let mut empty = scene(&[shell(out)], true);
-    assert!(baked(&empty).1.is_open);
+    assert!(sketched(&empty).1.is_open);
     empty.lights.push(Light::Point {
         position: [0.5, 2.0, 0.3],
         intensity: 10.0,
         color: [1.0; 3],
         radius: 0.0,
     });
-    let (file, report) = baked(&empty);
+    let (file, report) = sketched(&empty);
     assert!(!report.lamp_added && file.meta.lights == empty.lights);
     assert!(!report.is_open && within(&report), "{:?}", report.viewpoints);
 }
@@ -171,7 +179,7 @@ fn what_nobody_fits_in_is_an_object() {
     blocks.push(shell(inward));
     let mut small = scene(&blocks, true);
     small.positions.iter_mut().for_each(|position| *position *= 0.05);
-    assert!(baked(&small).1.is_open);
+    assert!(sketched(&small).1.is_open);
 }
 
 #[test]
@@ -179,7 +187,7 @@ fn a_lamp_that_is_added_to_a_room_lights_it_and_is_not_beside_a_wall() {
     for scale in [0.8, 1.0, 100.0] {
         let mut scene = scene(&[vec![shell(inward)], furniture()].concat(), false);
         scene.positions.iter_mut().for_each(|position| *position *= scale);
-        let (file, report) = baked(&scene);
+        let (file, report) = sketched(&scene);
         assert!(!report.is_open && report.lamp_added && report.camera_added, "{scale}");
         assert!(!report.is_unlit, "{scale}");
         let lamp = file.meta.lights[0].position().unwrap();
@@ -193,7 +201,7 @@ fn lights_that_reach_nothing_are_told() {
     let down = [0.0, -1.0, 0.0];
     scene.lights =
         vec![Light::Directional { direction: down, intensity: 3.0, color: [1.0; 3], radius_deg: 0.0 }];
-    let (_, report) = baked(&scene);
+    let (_, report) = sketched(&scene);
     println!("{report}");
     // One-sided walls let no light in; the sun is outside.
     assert!(report.is_unlit && report.to_string().contains("none reaches"));

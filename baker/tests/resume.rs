@@ -182,7 +182,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
     let ends = ends(&full);
     let salt = u32::from_le_bytes(full[8..12].try_into().unwrap());
     let (mut baked, mut refused) = (0, 0);
-    for seed in 0..60 {
+    for seed in 0..30 {
         let mut stream = Stream::new(seed, 9);
         let mut below = |n: usize| stream.bits() as usize % n;
         let mut bytes = full.clone();
@@ -206,7 +206,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
             }
         }
     }
-    assert!(baked > 20, "{baked} baked, {refused} refused");
+    assert!(baked > 10, "{baked} baked, {refused} refused");
 }
 
 /// A word of a record: an index replaces another index.

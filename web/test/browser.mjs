@@ -22,8 +22,8 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, args: FLAGS });
 }
 
-/** Device pixels for a CSS pixel in tests: pages lay out as ever, and draw a quarter of the pixels, which is what software WebGPU costs by. */
-export const DEVICE_PIXELS = 0.5;
+/** Device pixels for a CSS pixel in tests: pages lay out as ever, and draw a sixteenth of the pixels, which is what software WebGPU costs by. */
+export const DEVICE_PIXELS = 0.25;
 
 /** Something took too long. */
 export class Late extends Error {}

@@ -40,12 +40,12 @@ struct Platform {
 ///
 /// # Errors
 /// If a tool is missing or fails.
-pub fn build() -> Result<()> {
+pub fn build(kind: web::Bakers) -> Result<()> {
     install::ensure(&install::NODE)?;
     web::npm()?;
     let npm = process::root().join("baker/npm");
     let (pkg, dist) = (npm.join("pkg"), npm.join("dist"));
-    let wasm = web::baker_wasm(toolchain::find()?, "npm", &["--features", "command,step"])?;
+    let wasm = web::baker_wasm(toolchain::find()?, kind.profile("npm"), &["--features", "command,step"])?;
     bindgen::module(&wasm, web::BAKER, bindgen::FROM_MODULE, &pkg)?;
     let node = |args: &[&Path]| process::run(Command::new("node").args(args).current_dir(&npm));
     node(&[Path::new("generate.mjs"), &pkg, &npm.join("src/options.ts")])?;

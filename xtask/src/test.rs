@@ -35,6 +35,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("mpi") {
         return over_mpi();
     }
+    let bakers = if part.is_none() { web::Bakers::Quick } else { web::Bakers::Published };
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
@@ -48,7 +49,7 @@ pub fn run(args: &[String]) -> Result<()> {
         // Beside the page, which links with one core for minutes.
         let checked = part.is_none().then(|| scope.spawn(gate::run));
         // The page comes first: the tests build the binary with the embedded page.
-        let built = if in_page { web::build() } else { Ok(()) };
+        let built = if in_page { web::build(bakers) } else { Ok(()) };
         let checked = checked.map(|checked| checked.join().unwrap_or_else(|panic| resume_unwind(panic)));
         built.map(|()| checked.unwrap_or(Ok(())))
     })?;
@@ -74,7 +75,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &wasm {
         println!("{error:#}");
     }
-    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, name);
+    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, bakers, name);
     if let Err(error) = &browser {
         println!("{error:#}");
     }
@@ -106,7 +107,12 @@ fn over_mpi() -> Result<()> {
 }
 
 /// Runs wasm tests, and the browser tests of the wanted parts, in headless Chromium.
-fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option<&str>) -> Result<()> {
+fn browser(
+    wasm: &[PathBuf],
+    wanted: impl Fn(&'static str) -> bool,
+    bakers: web::Bakers,
+    name: Option<&str>,
+) -> Result<()> {
     let work = process::target().join("browser-tests");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let bin = |name: &str| process::target().join("debug").join(name);
@@ -126,7 +132,7 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
-        npm::build()?;
+        npm::build(bakers)?;
         let Tarballs { viewer, command, native } = package::pack(&bin("rebounce"))?;
         node.arg("--package").arg(&work).arg(bin("rebounce")).args([viewer, command]);
         node.arg(native.unwrap_or_else(|| "none".into()));

@@ -34,19 +34,38 @@ const FETCHES: [(&str, &str); 5] = [
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
+/// How the baker is compiled to WebAssembly.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Bakers {
+    /// As they are published: link-time optimisation takes minutes for each of them.
+    Published,
+    /// For a run of all tests: they share compiled crates, and are too large to be published.
+    Quick,
+}
+
+impl Bakers {
+    /// The profile, where `published` is that of what is published.
+    pub fn profile(self, published: &'static str) -> &'static str {
+        match self {
+            Self::Published => published,
+            Self::Quick => "wasm-test",
+        }
+    }
+}
+
 /// Builds web/dist: the site, and the contents of the npm package. The command serves a copy of what browsers ask for,
-/// baker/cli/viewer.
+/// baker/cli/viewer. The limits on sizes hold for bakers that are published.
 ///
 /// # Errors
 /// If a tool is missing or fails, or the bundle is over its limit.
-pub fn build() -> Result<()> {
+pub fn build(kind: Bakers) -> Result<()> {
     install::ensure(&install::NODE)?;
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
     // Each has a profile of its own, and links with one core.
     std::thread::scope(|scope| {
-        let bakers = scope.spawn(|| bakers(toolchain, &pkg));
+        let bakers = scope.spawn(|| bakers(toolchain, kind, &pkg));
         let renderers = renderers(toolchain, &pkg);
         renderers.and(bakers.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     })?;
@@ -57,7 +76,7 @@ pub fn build() -> Result<()> {
     let served = files.iter().filter(|(name, _)| is_served(name));
     let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
-    bundle_size::check(&files)?;
+    bundle_size::check(&files, kind)?;
     println!("built {}", dist.display());
     Ok(())
 }
@@ -77,11 +96,13 @@ fn renderers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
 }
 
 /// Builds the modules of the baker.
-fn bakers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
+fn bakers(toolchain: Toolchain, kind: Bakers, pkg: &Path) -> Result<()> {
     for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
-        let wasm = baker_wasm(toolchain, "web-baker", options)?;
+        let wasm = baker_wasm(toolchain, kind.profile("web-baker"), options)?;
         bindgen::module(&wasm, name, bindgen::FROM_MODULE, pkg)?;
-        optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
+        if kind == Bakers::Published {
+            optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
+        }
     }
     Ok(())
 }

@@ -98,9 +98,12 @@ export async function downloads(harness, context) {
   answers["good.rbn"] = (_, response) => response.writeHead(200).end(context.bytes);
   const server = await serveStrictly({ pages: { "": document("<rebounce-viewer></rebounce-viewer>") }, faults: answers });
   try {
+    // One page for all: its pipelines are compiled once.
+    const { page, faults } = await open({ ...context, address: server.address }, { prepare: holdTime });
     for (const [name, { code, words, ends, stallsAt }] of Object.entries(cases)) {
       await harness.test(`page::downloads::${name}`, async () => {
-        const { page, faults } = await open({ ...context, address: server.address }, { prepare: holdTime });
+        await page.evaluate(() => (events.length = 0));
+        faults.length = 0;
         const asked = new Promise((done) => (sent.asked = done));
         await page.evaluate((file) => (viewer.src = file), `${name}.rbn`);
         if (stallsAt === 0) await within("the request", asked);
@@ -120,9 +123,9 @@ export async function downloads(harness, context) {
         equal((await shown(page)).alert, "", "the message after loading");
         const own = faults.filter((fault) => !fault.startsWith("Failed to load resource"));
         equal(own.join("\n"), "", "faults");
-        await page.close();
       });
     }
+    await page.close();
 
     await harness.test("page::downloads::slow_is_not_stalled", async () => {
       let asked;

@@ -19,12 +19,19 @@ export async function failures(harness, context) {
     a_missing_file: { code: "http" },
     a_broken_connection: { code: "network", abort: true },
   };
+  // One page for all: its pipelines are compiled once.
+  const { page, faults } = await open(context, { query: "?src=missing.rbn" });
+  await expectFailure(page, "http");
   for (const [name, { code, body, abort }] of Object.entries(cases)) {
     await harness.test(`page::failures::${name}`, async () => {
       const route = abort ? (r) => r.abort() : answer(body);
-      const routes = body || abort ? { "**/bad.rbn": route } : {};
-      const { page, faults } = await open(context, { query: "?src=bad.rbn", routes });
+      if (body || abort) await page.route("**/bad.rbn", route);
+      await page.evaluate(() => {
+        events.length = 0;
+        viewer.src = "bad.rbn";
+      });
       await expectFailure(page, code);
+      await page.unroute("**/bad.rbn");
       // The browser itself reports answers that are no success.
       const own = faults.filter((fault) => !fault.startsWith("Failed to load resource"));
       equal(own.join("\n"), "", "faults");
@@ -33,9 +40,10 @@ export async function failures(harness, context) {
       const event = await outcome(page, 1);
       equal(event.type, "load", event.message ?? "the event after the failure");
       equal((await shown(page)).alert, "", "the message after loading");
-      await page.close();
+      faults.length = 0;
     });
   }
+  await page.close();
 
   await harness.test("page::failures::no_device", async () => {
     const prepare = () => (GPUAdapter.prototype.requestDevice = () => Promise.reject(new Error("none <b>left</b>")));

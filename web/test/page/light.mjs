@@ -7,7 +7,7 @@ import { open, outcome } from "./open.mjs";
 
 /** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
  * side, since the CPU takes 64 samples a pixel. */
-const SIZE = [96, 54];
+const SIZE = [48, 27];
 const FINER = 2;
 /** The most that the browser's indirect light may differ from the CPU's, relative RMS; and that of lookup from that of splats. */
 const TOLERANCE = 0.01;
@@ -73,7 +73,9 @@ export async function light(harness, context) {
         const told = [];
         for (const way of ["lookup", "splat", "auto"]) {
           viewer.setAttribute("display", way);
-          pictures.push(await viewer.readIndirect(160, 90));
+          // Software looks up of itself: one picture of that is enough.
+          if (way !== "auto") pictures.push(await viewer.readIndirect(160, 90));
+          else await viewer.readIndirect(16, 9);
           told.push(viewer.stats().display);
         }
         viewer.removeAttribute("display");

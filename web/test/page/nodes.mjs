@@ -7,7 +7,7 @@ import { within } from "../browser.mjs";
 import { check, equal, near, same } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
-const SIZE = [96, 54];
+const SIZE = [64, 36];
 /** Relative RMS and bias against the command: draft points, and shadow maps in place of rays. */
 const TOLERANCE = { error: 0.05, bias: 0.015 };
 const CAMERA = { position: [0, 1.4, 1.9], target: [0, 0.8, -1], up: [0, 1, 0], yfov_deg: 60 };

@@ -46,6 +46,7 @@ export async function panelLook(harness, context) {
     check(Math.abs(panel[0]) < 2 && Math.abs(panel[1]) < 2, `the sheet leaves ${panel}`);
     check(add[1] > 0, `the first button lies ${-add[1]} below the picture`);
     same(faults, []);
+    await page.close();
   });
 
   for (const options of SIZES) {

@@ -41,7 +41,11 @@ const NOTHING = { alive: 0, bytes: 0 };
 
 export async function sharing(harness, context) {
   await harness.test("page::sharing::ten_elements_draw_the_same_picture_with_one_device", async () => {
-    const { page, faults } = await counted(context, "<rebounce-viewer></rebounce-viewer>".repeat(10), { viewport: { width: 400, height: 640 } });
+    const { page, faults } = await counted(context, "<rebounce-viewer></rebounce-viewer>".repeat(10), {
+      viewport: { width: 400, height: 640 },
+      // Every element begins on a whole device pixel.
+      media: { deviceScaleFactor: 0.5 },
+    });
     await page.evaluate(() => {
       document.documentElement.style.height = document.body.style.height = "auto";
       Object.assign(document.body.style, { display: "grid", gridTemplateColumns: "1fr 1fr", overflow: "visible" });

@@ -7,7 +7,7 @@ import { check, equal, same } from "../harness.mjs";
 import { loaded, open, outcome } from "./open.mjs";
 
 /** As in light.mjs. */
-const SIZE = [96, 54];
+const SIZE = [48, 27];
 const FINER = 2;
 const TOLERANCE = 0.01;
 

@@ -9,7 +9,7 @@ import { loaded } from "./open.mjs";
 /** A plate, a wall and a tube. */
 const STEP = path.resolve("../baker/tests/step/tube.step");
 /** As in light.mjs. */
-const SIZE = [80, 54];
+const SIZE = [40, 27];
 const FINER = 2;
 const TOLERANCE = 0.02;
 
@@ -48,7 +48,7 @@ function apart(a, b) {
 export async function step(harness, context) {
   const file = (name) => path.join(context.work, `step-${name}`);
   await harness.test("step::a_bake_of_exact_faces_is_relit_as_the_command_has_it", async () => {
-    await exec(context.rebounce, ["bake", STEP, "--preset", "draft", "--functions", "6K", "-o", file("bake.rbn")]);
+    await exec(context.rebounce, ["bake", STEP, "--preset", "draft", "--functions", "3K", "-o", file("bake.rbn")]);
     const { page, faults } = await shown(context, file("bake.rbn"));
     const pictures = [];
     for (const [i, position] of PLACES.entries()) {
@@ -63,7 +63,7 @@ export async function step(harness, context) {
   await harness.test("step::the_lightmap_of_a_wavelet_solution_is_that_of_the_command", async () => {
     const lights = [{ ...LAMP, position: PLACES[0] }, { ...AT, position: PLACES[1] }];
     await writeFile(file("shot.json"), JSON.stringify({ size: SIZE, camera: CAMERA, lights }));
-    const solve = ["solve", STEP, "--solver", "wavelet", "--shot", file("shot.json"), "--preset", "draft", "--functions", "6K"];
+    const solve = ["solve", STEP, "--solver", "wavelet", "--shot", file("shot.json"), "--preset", "draft", "--functions", "3K"];
     const { stdout } = await exec(context.rebounce, [...solve, "-o", file("solved.rbn")]);
     check(/lightmap +\d+ x \d+ texels/.test(stdout), stdout);
     const { page, faults } = await shown(context, file("solved.rbn"));
