@@ -49,18 +49,18 @@ impl Pose {
 /// Puts a track's value at a time into what it moves.
 fn apply(layout: &RigLayout, track: &RigTrack, time: f32, nodes: &mut [NodePose], weights: &mut [Vec<f32>]) {
     let value = value(layout, track, time);
-    let three = || std::array::from_fn(|i| value.get(i).map_or(0.0, |x| f64::from(*x)));
-    let mut part = |node: u32, put: &mut dyn FnMut(&mut [f64; 3], &mut [f64; 4], &mut [f64; 3])| {
-        if let Some(NodePose::Parts { translation, rotation, scale }) = nodes.get_mut(node as usize) {
-            put(translation, rotation, scale);
-        }
-    };
     match track.target {
-        RigTarget::Translation(node) => part(node, &mut |translation, _, _| *translation = three()),
-        RigTarget::Scale(node) => part(node, &mut |_, _, scale| *scale = three()),
-        RigTarget::Rotation(node) => part(node, &mut |_, rotation, _| {
-            *rotation = std::array::from_fn(|i| value.get(i).map_or(0.0, |x| f64::from(*x)));
-        }),
+        RigTarget::Translation(node) | RigTarget::Rotation(node) | RigTarget::Scale(node) => {
+            let Some(NodePose::Parts { translation, rotation, scale }) = nodes.get_mut(node as usize) else {
+                return;
+            };
+            let part: &mut [f64] = match track.target {
+                RigTarget::Rotation(_) => rotation,
+                RigTarget::Scale(_) => scale,
+                _ => translation,
+            };
+            part.iter_mut().zip(value).for_each(|(to, value)| *to = f64::from(value));
+        }
         RigTarget::Weights(mesh) => {
             if let Some(weights) = weights.get_mut(mesh as usize) {
                 weights.iter_mut().zip(value).for_each(|(weight, value)| *weight = value);

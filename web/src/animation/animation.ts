@@ -69,7 +69,7 @@ export function checkedAnimations(value: unknown): LightAnimation[] {
     const at = `animations[${a}]`;
     const { name, duration, tracks } = object(animation, at);
     if (typeof name !== "string") bad(`${at}.name must be a text`);
-    if (!(finite(duration) && duration >= 0)) bad(`${at}.duration must be a number of seconds, not negative`);
+    if (!(finite(duration) && duration >= 0)) bad(`${at}.duration must be seconds, not negative`);
     return { name, duration, tracks: list(tracks, `${at}.tracks`).map((t, i) => track(t, `${at}.tracks[${i}]`)) };
   });
 }
@@ -85,7 +85,7 @@ function track(value: unknown, at: string): Track {
   const flat = numbers(values, `${at}.values`);
   const what = property as Track["property"];
   const width = WIDTH[what];
-  if (keys.length === 0) bad(`${at}.times must hold a key at least`);
+  if (keys.length === 0) bad(`${at}.times must hold a key`);
   if (keys.some((time, i) => i > 0 && time < (keys[i - 1] as number))) bad(`${at}.times must rise`);
   if (flat.length !== keys.length * width) {
     bad(`${at}.values must hold ${width} numbers a key; it holds ${flat.length} for ${keys.length}`);
@@ -104,7 +104,7 @@ function list(value: unknown, at: string): unknown[] {
 
 function numbers(value: unknown, at: string): number[] {
   const found = ArrayBuffer.isView(value) ? Array.from(value as Float32Array) : list(value, at);
-  if (!found.every(finite)) bad(`${at} must hold finite numbers only`);
+  if (!found.every(finite)) bad(`${at} must hold finite numbers`);
   return found as number[];
 }
 

@@ -5,7 +5,7 @@ import { check, equal, same } from "../harness.mjs";
 import { ledger } from "./ledger.mjs";
 import { open, outcome, PLAIN } from "./open.mjs";
 
-const CYCLES = 120;
+const CYCLES = 50;
 /** After so many, memory no longer grows. */
 const SETTLED = 20;
 

@@ -77,16 +77,8 @@ impl GivenPass {
         let slots = SlotBuffers::new(&own, scene, size, every_pixel);
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
             // Positions and normals are in one texture.
-            find_group(
-                scope,
-                &self.find_layout,
-                scene,
-                &slots,
-                &frame,
-                [positions; 2],
-                &scene.upload.no_rest,
-                rows,
-            )
+            let textures = [positions, positions, &scene.upload.no_rest];
+            find_group(scope, &self.find_layout, scene, &slots, &frame, textures, rows)
         };
         let rows = self.lookup.target(Scope::new(gpu), &slots, scene, &frame, find);
         let resources = [&frame, &slots.layout, &slots.light, &slots.by_pixel].map(|b| b.as_entire_binding());

@@ -38,6 +38,13 @@ const LEAST_SINGLES: u64 = 3 << 15;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
 
+/// Textures of find.wgsl: places, normals, and where the file has what deforms.
+#[cfg(feature = "radiosity")]
+const TEXTURES: usize = 3;
+/// Textures of find.wgsl: places and normals.
+#[cfg(not(feature = "radiosity"))]
+const TEXTURES: usize = 2;
+
 /// `Slots` in slots.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -167,19 +174,14 @@ impl DisplayPass {
 
     fn make(&self, gpu: &Gpu, slots: &SlotBuffers, from: Sources<'_>, way: Way) -> MadeTarget {
         // `rows`: the rows of lookup.
-        let textures = [&from.gbuffer.depth, &from.gbuffer.surface];
+        let textures = [
+            &from.gbuffer.depth,
+            &from.gbuffer.surface,
+            #[cfg(feature = "radiosity")]
+            from.rest(),
+        ];
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
-            find_group(
-                scope,
-                &self.find_layout,
-                from.scene,
-                slots,
-                from.frame,
-                textures,
-                #[cfg(feature = "radiosity")]
-                from.rest(),
-                rows,
-            )
+            find_group(scope, &self.find_layout, from.scene, slots, from.frame, textures, rows)
         };
         let own = Scope::new(gpu);
         match way {
@@ -256,8 +258,7 @@ fn find_group(
     scene: &GpuScene,
     slots: &SlotBuffers,
     frame: &wgpu::Buffer,
-    textures: [&wgpu::TextureView; 2],
-    #[cfg(feature = "radiosity")] rest: &wgpu::TextureView,
+    textures: [&wgpu::TextureView; TEXTURES],
     rows: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
     let upload = &scene.upload;
@@ -277,7 +278,7 @@ fn find_group(
         #[cfg(feature = "radiosity")]
         upload.rest.as_entire_binding(),
         #[cfg(feature = "radiosity")]
-        view(rest),
+        view(textures[2]),
     ];
     group(scope, "find", layout, &resources)
 }
