@@ -24,12 +24,12 @@ use crate::rbn::light_groups::{self, LightGroups};
 #[cfg(feature = "radiosity")]
 use crate::rbn::lightmap::Lightmap;
 use crate::rbn::meta::{self, Meta};
+#[cfg(feature = "radiosity")]
+use crate::rbn::rig_layout::Rig;
 use crate::rbn::sources::{self, Sources};
 #[cfg(feature = "radiosity")]
 use crate::rbn::specular;
 use crate::rbn::{RbnError, container, extras, shown};
-#[cfg(feature = "radiosity")]
-use crate::rig::Rig;
 use glam::Vec3;
 use std::ops::Range;
 

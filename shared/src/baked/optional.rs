@@ -7,11 +7,11 @@ use crate::rbn::diffuse_transfer::{self, DiffuseTransfer};
 use crate::rbn::gloss::{self, Gloss};
 use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::lightmap::{self, Lightmap};
+use crate::rbn::rig_layout::Rig;
 use crate::rbn::{
     CUBE_MAP_SECTIONS, DIFFUSE_SECTIONS, GLOSS_LINK_SECTIONS, GLOSS_SECTIONS, GROUP_SECTIONS,
     LIGHTMAP_SECTIONS, LinkMatrix, RIG_SECTIONS, RbnError, SPECULAR_SECTION, groups, rig, specular,
 };
-use crate::rig::Rig;
 
 /// A section's name and bytes.
 pub(super) type NamedSection = ([u8; 4], Vec<u8>);

@@ -40,6 +40,8 @@ pub mod meta;
 pub mod node_tracks;
 #[cfg(feature = "radiosity")]
 pub mod rig;
+#[cfg(feature = "radiosity")]
+pub mod rig_layout;
 pub mod shown;
 mod small;
 pub mod sources;

@@ -9,11 +9,11 @@
 
 use super::codec::columns::{Columns, Kind};
 use super::limits::{LARGEST, MAX_BYTES, all_sane, sane};
-use super::{RbnError, small};
-use crate::rig::{
+use super::rig_layout::{
     MorphDelta, NodePose, Rig, RigAnimation, RigLayout, RigMesh, RigNode, RigPoint, RigTarget, RigTrack,
     RigVertex,
 };
+use super::{RbnError, small};
 
 /// Greatest number of joints of a mesh: a vertex names them with 16 bits.
 pub const MAX_JOINTS: usize = 0xffff;

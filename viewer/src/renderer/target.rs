@@ -15,7 +15,7 @@ use crate::passes::reflections::{ReflectionsSources, ReflectionsTarget};
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
 #[cfg(feature = "radiosity")]
-use crate::scene::rig;
+use crate::scene::rest_picture::rest_picture;
 use crate::scene::sky::Sky;
 use crate::scene::view::Frame;
 use wgpu::BufferUsages;
@@ -74,7 +74,7 @@ impl Target {
         let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
         let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
         #[cfg(feature = "radiosity")]
-        let gbuffer = gbuffer.with_rest(scene.rig.as_ref().map(|_| rig::rest_picture(&own, size)));
+        let gbuffer = gbuffer.with_rest(scene.rig.as_ref().map(|_| rest_picture(&own, size)));
         let from = display::Sources { scene, frame: &frame, gbuffer: &gbuffer };
         let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);

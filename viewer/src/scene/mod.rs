@@ -4,7 +4,7 @@
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
 //! * `moving`, `radiosity`, `reclip` – nodes that move, and the bounced light that follows them;
-//! * `rig` – meshes that deform;
+//! * `rig`, `rest_picture` – meshes that deform, and where the file has them;
 //! * `antiradiance` – bounced light without visibility, for things that deform;
 //! * `lightmap` – the light of a fixed solution as a texture; `gloss` – light that arrives at glossy surfaces;
 //! * `materials`, `textures` – a bind group per material, mip levels;
@@ -36,6 +36,8 @@ pub mod radiosity;
 #[cfg(feature = "radiosity")]
 mod reclip;
 pub mod relight;
+#[cfg(feature = "radiosity")]
+pub mod rest_picture;
 #[cfg(feature = "radiosity")]
 pub mod rig;
 pub mod sky;

@@ -160,7 +160,7 @@ impl Upload {
                 bytemuck::cast_slice(&[Instance::IDENTITY; rebounce_shared::rbn::groups::MAX_GROUPS + 1]),
             ),
             #[cfg(feature = "radiosity")]
-            no_rest: super::rig::rest_picture(&own, [1, 1]),
+            no_rest: super::rest_picture::rest_picture(&own, [1, 1]),
             push_offsets: stored("PNTS", cast(&relations.push_offsets)),
             push_entries: roomy("PNTS", bytemuck::cast_slice(&relations.push_entries), push),
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),

@@ -13,7 +13,7 @@ pub use pipelines::RigPipelines;
 
 use super::upload::Upload;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group, target};
+use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group};
 use crate::gpu::scope::Scope;
 use crate::scene::draw_batch::DrawBatch;
 use bytemuck::{Pod, Zeroable};
@@ -22,10 +22,7 @@ use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rig::pose::Pose;
 use rebounce_shared::rig::{Rig, RigAnimation};
 use std::cell::{Cell, RefCell};
-use wgpu::{BufferUsages, TextureFormat};
-
-/// Format of the picture of places at rest.
-pub const REST: TextureFormat = TextureFormat::Rgba32Uint;
+use wgpu::BufferUsages;
 
 /// `RigPass` in rig.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -57,11 +54,6 @@ pub struct GpuRig {
     /// Bind group of the points, if any ride.
     riders: Option<(wgpu::BindGroup, u32)>,
     own: Scope,
-}
-
-/// A picture of this size, in pixels, of where the file has what deforms: rest_places.wgsl.
-pub fn rest_picture(scope: &Scope, size: [u32; 2]) -> wgpu::TextureView {
-    target(scope, "places at rest", REST, size[0], size[1]).create_view(&Default::default())
 }
 
 impl GpuRig {
