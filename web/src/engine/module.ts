@@ -13,7 +13,7 @@ let loading: Promise<unknown> | undefined;
  * Whether a file is for the renderer of all files, by its table of sections (docs/format/rbn.md): its bounced light comes not
  * from links alone, its materials have an index of refraction, a specular colour or a clear layer, or it has glossy transfer.
  */
-export const wantsRadiosity = (file: Uint8Array): boolean => /[LMR]GRP|REFL|MATG|GLSY|DTLY/.test(String.fromCharCode(...file.subarray(32, 2080)));
+export const wantsRadiosity = (file: Uint8Array): boolean => /[LMR]GRP|REFL|MATG|GLSY|DTLY|RIGL/.test(String.fromCharCode(...file.subarray(32, 2080)));
 
 /** A viewer; that of all files has nodes that move, and reflections, too. */
 export type Viewer = Linked & { moving?: Moving; gloss?: boolean };
