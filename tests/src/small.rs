@@ -1,8 +1,11 @@
 //! Bakes of a fraction of a second.
 
+use crate::figure::glb;
 use anyhow::Result;
 use glam::{Vec2, Vec3};
 use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveSettings, bake, solve};
+use rebounce::io::files::Memory;
+use rebounce::io::{LoadOptions, load_from};
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce::transport::wavelet::WaveletSettings;
@@ -134,6 +137,16 @@ pub fn shining(functions: usize) -> Result<BakedScene> {
 /// Errors of loading and of the bake.
 pub fn object(functions: usize) -> Result<BakedScene> {
     Ok(bake(&all_lights()?, &settings(functions).for_environment().normalised(), &())?.0)
+}
+
+/// Bakes the walking figure, which animations deform.
+///
+/// # Errors
+/// Errors of loading and of the bake.
+pub fn walking(functions: usize) -> Result<BakedScene> {
+    let files = Memory::from_iter([("figure.glb", glb())]);
+    let scene = load_from(&files, "figure.glb".as_ref(), &LoadOptions::default())?;
+    Ok(bake(&scene, &settings(functions), &())?.0)
 }
 
 /// Solves [`all_lights`] with a few functions.

@@ -60,6 +60,7 @@ mod tests {
         let of = |name: &str| options.iter().find(|option| option.name == name).unwrap();
         assert_eq!(of("preset").choices, ["draft", "standard", "fine"]);
         assert_eq!((of("no-sources").value.as_str(), of("max-bytes").value.as_str()), ("", "BYTES"));
+        assert_eq!((of("still").value.as_str(), of("time").value.as_str()), ("", "SECONDS"));
         assert!(of("environment").is_path && of("shot").is_path && !of("preset").is_path);
         assert!(of("viewpoint").is_repeated && !of("rays").is_repeated);
         assert_eq!(of("rays").separator, Some(','));

@@ -11,7 +11,8 @@ use rebounce_shared::rbn::diffuse_transfer;
 use rebounce_shared::rbn::gloss;
 use rebounce_shared::rbn::light_groups::{self, GroupValue};
 use rebounce_shared::rbn::lightmap::{self, ChartOffset, Texel, TexelCoordinates};
-use rebounce_shared::rbn::{RbnError, meta, sources};
+use rebounce_shared::rbn::{RbnError, meta, rig, sources};
+use rebounce_shared::rig::{MorphDelta, RigPoint, RigVertex};
 
 fn records<T: columns::Columns>(bytes: &[u8]) {
     let Ok(records) = bounded(bytes.len(), 0, || columns::decode::<T>(bytes)) else { return };
@@ -41,7 +42,7 @@ fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 28 {
+    match which % 32 {
         0 => whole(section, meta::decode, |meta| meta::encode(meta).expect("it was as small before")),
         1 => records::<Vertex>(section),
         2 => records::<u32>(section),
@@ -75,6 +76,10 @@ fuzz_target!(|bytes: &[u8]| {
             cube_maps::encode(layout).expect("it was as small before")
         }),
         27 => records::<CubeTexel>(section),
+        28 => whole(section, rig::decode, |layout| rig::encode(layout).expect("it was as small before")),
+        29 => records::<RigVertex>(section),
+        30 => records::<MorphDelta>(section),
+        31 => records::<RigPoint>(section),
         // Clusters, weights and vectors of glossy and diffuse transfer.
         _ => plain(section),
     }

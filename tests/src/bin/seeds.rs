@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Baker, Checkpoint, Identity, Preset};
 use rebounce_shared::rbn::container;
-use rebounce_tests::small::{charted, everything, lit, object, settings, shining, small, solved};
+use rebounce_tests::small::{charted, everything, lit, object, settings, shining, small, solved, walking};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -23,6 +23,7 @@ fn main() -> Result<()> {
         ("charted", charted(12)?),
         ("shining", shining(40)?),
         ("object", object(40)?),
+        ("walking", walking(40)?),
     ];
     for (short, scene) in seeds {
         let file = scene.to_bytes()?;
@@ -30,10 +31,11 @@ fn main() -> Result<()> {
         write("scene", short, &file)?;
         // The first byte of a seed selects the section.
         for section in container::read(&file)? {
-            const TOLD: [&[u8; 4]; 28] = [
+            const TOLD: [&[u8; 4]; 32] = [
                 b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY", b"SRCS",
                 b"SRCL", b"LGRP", b"LVAL", b"LMAP", b"LMUV", b"LMOF", b"LMTX", b"GLSY", b"GLPT", b"GLCL",
-                b"GLWT", b"GLBS", b"DTLY", b"DTCL", b"DTWT", b"DTBS", b"CMLY", b"CMTX",
+                b"GLWT", b"GLBS", b"DTLY", b"DTCL", b"DTWT", b"DTBS", b"CMLY", b"CMTX", b"RIGL", b"RIGV",
+                b"RIGM", b"RIGP",
             ];
             let told = (0u8..).zip(TOLD).find(|(_, name)| **name == section.name);
             let Some((which, _)) = told else { continue };

@@ -41,3 +41,25 @@ pub(super) fn as_text(rig: &Rig) -> Vec<String> {
     };
     std::iter::once(first).chain(rig.layout.animations.iter().map(animation)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rebounce_shared::rig::{RigLayout, RigMesh, RigVertex};
+
+    #[test]
+    fn meshes_and_animations_are_told() {
+        assert!(as_text(&Rig::default()).is_empty() && as_json(&Rig::default()).is_null());
+        let mesh = RigMesh { vertex_count: 2, weights: vec![0.0; 3], ..RigMesh::default() };
+        let animation = RigAnimation { name: "walk".to_owned(), duration: 1.25, tracks: Vec::new() };
+        let layout = RigLayout { meshes: vec![mesh], animations: vec![animation], ..RigLayout::default() };
+        let rig = Rig { layout, vertices: vec![RigVertex::default(); 2], ..Rig::default() };
+        assert_eq!(
+            as_text(&rig),
+            ["1 meshes, 2 vertices, 0 joints, 3 morph targets, 0 points", "\"walk\", 1.25 s, 0 tracks"]
+        );
+        let json = as_json(&rig);
+        assert_eq!(json["meshes"][0]["morph_targets"], 3);
+        assert_eq!(json["animations"][0]["seconds"], 1.25);
+    }
+}

