@@ -4,7 +4,7 @@
 use super::instances::NAME;
 use super::node::{self, PlacedNode};
 use super::notes::Told;
-use super::rest::{Animated, parents};
+use super::rest::{AnimatedParts, parents};
 use super::source::Source;
 use crate::scene::SceneError;
 use serde_json::Value;
@@ -18,7 +18,7 @@ pub(super) fn nodes(
     source: &Source,
     nodes: &[PlacedNode],
     told: &mut Told,
-) -> Result<Vec<Option<Animated>>, SceneError> {
+) -> Result<Vec<Option<AnimatedParts>>, SceneError> {
     let channels = || source.exact.animations.iter().flat_map(|animation| &animation.channels);
     let nodes_of = |wanted: &dyn Fn(&str) -> bool| -> BTreeSet<usize> {
         let targets = channels().map(|channel| &channel.target);
@@ -45,7 +45,7 @@ pub(super) fn nodes(
         });
         let weights = has_targets && weighted.contains(&placed.index);
         let joints = skin.is_some_and(|skin| skin.joints.iter().any(|joint| is_moved(joint.value())));
-        let mut animated = (mesh.is_some() && (weights || joints)).then_some(Animated { weights });
+        let mut animated = (mesh.is_some() && (weights || joints)).then_some(AnimatedParts { weights });
         let instances: Option<Value> =
             source.read_extension(own, &[NAME], format_args!("node {}", placed.index))?;
         if animated.is_some() && skin.is_none() && instances.is_some() {

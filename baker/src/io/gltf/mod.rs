@@ -65,7 +65,7 @@ use mesh::MeshPart;
 use notes::{Told, grouped};
 use place::PlacementNotes;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
-use rest::{Animated, Rest, Skins};
+use rest::{AnimatedParts, Rest, Skins};
 use rig::RigBuilder;
 use source::Source;
 use std::collections::BTreeMap;
@@ -138,7 +138,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     let (node_groups, of_node, places) = groups::of_nodes(source, &nodes, &deforms, options, &mut told);
     let grouped_nodes = Nodes { nodes: &nodes, light_groups, groups: &node_groups, of_node, animated };
     let mut rig = RigBuilder::new(source);
-    let out = &mut Placed { mesh: &mut mesh, rig: &mut rig };
+    let out = &mut PlacedParts { mesh: &mut mesh, rig: &mut rig };
     let seen = place_all(source, &grouped_nodes, &mut materials, &mut lamps, out, &mut told)?;
     let deform;
     (mesh.rig, deform) = rig.finish(&mut told)?;
@@ -206,11 +206,11 @@ struct Nodes<'a> {
     /// Group of each node.
     of_node: Vec<u32>,
     /// What animations change of the deformation of each node's mesh, if they do.
-    animated: Vec<Option<Animated>>,
+    animated: Vec<Option<AnimatedParts>>,
 }
 
 /// What is placed so far.
-struct Placed<'a, 'b> {
+struct PlacedParts<'a, 'b> {
     mesh: &'a mut WorldMesh,
     rig: &'a mut RigBuilder<'b>,
 }
@@ -225,7 +225,7 @@ fn place_all(
     Nodes { nodes, light_groups, groups, of_node, animated }: &Nodes<'_>,
     materials: &mut material::Materials,
     lamps: &mut Lamps,
-    Placed { mesh: out, rig }: &mut Placed<'_, '_>,
+    PlacedParts { mesh: out, rig }: &mut PlacedParts<'_, '_>,
     told: &mut Told,
 ) -> Result<BTreeMap<usize, PlacementNotes>, SceneError> {
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();

@@ -17,12 +17,12 @@ pub(super) struct Rest {
     weights: Vec<f64>,
     skin: Option<Skin>,
     /// What animations change of it, if they do.
-    animated: Option<Animated>,
+    animated: Option<AnimatedParts>,
 }
 
 /// What animations change of a deformation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Animated {
+pub(super) struct AnimatedParts {
     /// Whether they change the weights of morph targets; joints, or nodes above, otherwise.
     pub weights: bool,
 }
@@ -44,7 +44,7 @@ impl Rest {
     }
 
     /// The same, deformed by animations.
-    pub fn animated(self, animated: Animated) -> Self {
+    pub fn animated(self, animated: AnimatedParts) -> Self {
         Self { animated: Some(animated), ..self }
     }
 
