@@ -26,17 +26,20 @@ fn ride(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let at = RIDER_WORDS * i;
     let v = bitcast<f32>(riders[at + 4u]);
     let w = bitcast<f32>(riders[at + 5u]);
-    let shares = array<f32, 3>(1.0 - v - w, v, w);
-    var position = vec3f(0.0);
-    var normal = vec3f(0.0);
-    for (var k = 0u; k < 3u; k++) {
-        let vertex = binds[BIND_WORDS * riders[at + 1u + k]];
-        position += shares[k] * corner_position(vertex);
-        normal += shares[k] * corner_normal(vertex);
+    let a = binds[BIND_WORDS * riders[at + 1u]];
+    let b = binds[BIND_WORDS * riders[at + 2u]];
+    let c = binds[BIND_WORDS * riders[at + 3u]];
+    let shares = vec3f(1.0 - v - w, v, w);
+    let places = mat3x3f(corner_position(a), corner_position(b), corner_position(c));
+    let position = places * shares;
+    var normal = mat3x3f(corner_normal(a), corner_normal(b), corner_normal(c)) * shares;
+    if !(dot(normal, normal) > 0.0) {
+        normal = corner_normal(a);
     }
-    let length = length(normal);
-    if !(length > 0.0) {
-        normal = corner_normal(binds[BIND_WORDS * riders[at + 1u]]);
+    // Corners of a point on the back go around the other way.
+    let front = cross(places[1] - places[0], places[2] - places[0]);
+    if dot(front, normal) < 0.0 {
+        normal = -normal;
     }
     let to = POINT_WORDS * riders[at];
     points[to] = bitcast<u32>(position.x);
