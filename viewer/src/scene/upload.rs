@@ -113,6 +113,8 @@ impl Upload {
     pub fn new(gpu: &Gpu, scene: &BakedScene) -> Result<Self, ViewerError> {
         let most = Most::of(gpu.buffer_limits());
         most.check(scene)?;
+        #[cfg(feature = "radiosity")]
+        most.check_rig(scene)?;
         let own = Scope::new(gpu);
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
@@ -268,6 +270,27 @@ impl Most {
     }
 }
 
+#[cfg(feature = "radiosity")]
+impl Most {
+    /// Checks the size of what shaders read and write of a rig.
+    fn check_rig(&self, scene: &BakedScene) -> Result<(), ViewerError> {
+        let rig = &scene.rig;
+        if rig.is_empty() {
+            return Ok(());
+        }
+        let sections = [
+            ("VERT", size_of_val(&scene.vertices[..])),
+            ("RIGV", size_of_val(&rig.vertices[..])),
+            ("RIGM", size_of_val(&rig.deltas[..])),
+            ("RIGP", size_of_val(&rig.points[..])),
+        ];
+        let too_large = sections.into_iter().find(|(_, bytes)| *bytes as u64 > self.binding);
+        too_large.map_or(Ok(()), |(section, bytes)| {
+            Err(ViewerError::TooLarge { section, bytes: bytes as u64, limit: self.binding })
+        })
+    }
+}
+
 /// Uploads a matrix in chunks of at most `limit` bytes of links.
 fn matrix<L: Sent + bytemuck::Pod>(
     stored: impl Fn(&'static str, &[u8]) -> wgpu::Buffer,
@@ -370,6 +393,21 @@ mod tests {
         for pair in chunks.windows(2) {
             assert_eq!(pair[0].end, pair[1].start);
         }
+    }
+
+    #[cfg(feature = "radiosity")]
+    #[test]
+    fn a_rig_must_fit_bindings() {
+        use rebounce_shared::rig::{MorphDelta, RigMesh};
+        let mut scene = BakedScene { vertices: vec![Default::default(); 10], ..BakedScene::default() };
+        let most = Most { buffer: 1000, binding: 239 };
+        assert!(most.check_rig(&scene).is_ok(), "nothing deforms");
+        scene.rig.layout.meshes = vec![RigMesh::default()];
+        assert!(most.check_rig(&scene).unwrap_err().to_string().contains("VERT"));
+        scene.vertices.pop();
+        assert!(most.check_rig(&scene).is_ok());
+        scene.rig.deltas = vec![MorphDelta::default(); 10];
+        assert!(most.check_rig(&scene).unwrap_err().to_string().contains("RIGM"));
     }
 
     #[test]
