@@ -1,11 +1,28 @@
 //! The walking figure: what a pose makes of it.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+use crate::common;
+
 use glam::Vec3;
+use rebounce::bake::bake;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::files::Memory;
+use rebounce::io::picture::Only;
 use rebounce::io::{LoadOptions, PoseOption, load_from};
 use rebounce::scene::Scene;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::Relit;
+use rebounce::verify::render::posed::PosedScene;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_shared::lighting::Lighting;
+use rebounce_shared::motion::Motions;
+use rebounce_shared::rig::pose::Pose;
 use rebounce_tests::figure::{SPEED, glb};
+use rebounce_tests::small::settings;
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [48, 36];
 
 /// The figure at a time; at rest without.
 fn figure(time: Option<f64>) -> Scene {
@@ -54,4 +71,42 @@ fn the_figure_walks_on_the_floor_and_keeps_its_size() {
         assert!((0.5 * (low.z + high.z) - (SPEED * time) as f32).abs() < 0.3, "{time} s: {low} to {high}");
         assert!((area(&posed) / whole - 1.0).abs() < 0.05, "{time} s");
     }
+}
+
+#[test]
+fn the_viewers_picture_of_a_pose_is_the_cpus() {
+    let mut room = figure(None);
+    let lamp =
+        Light::Point { position: [1.2, 2.2, 1.5], intensity: 60.0, color: [1.0, 0.9, 0.8], radius: 0.0 };
+    room.lights = vec![lamp.clone()];
+    let file = bake(&room, &settings(1500), &()).unwrap().0;
+    assert!(!file.rig.points.is_empty() && file.rig.layout.animations.len() == 1, "the figure is a rig");
+    let Some(mut renderer) = common::renderer(&file) else { return };
+    let time = 0.35f32;
+    let (position, target) = ([1.6, 1.4, 2.6], [0.0, 0.9, 0.4]);
+    let camera = Camera { position, target, up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
+    renderer.set_camera(camera.clone()).unwrap();
+    renderer.set_lights(vec![lamp.clone()]).unwrap();
+    let rest = common::radiance(&mut renderer, SIZE);
+    renderer.pose(Some(0), time).unwrap();
+    let ours = [common::indirect(&mut renderer, SIZE), common::radiance(&mut renderer, SIZE)];
+    let pose = Pose::of(&file.rig, &file.rig.layout.animations[0], time);
+    let posed = Arc::new(PosedScene::new(&file, &pose));
+    let surfaces = TriangleSurfaces::from_baked(&posed.scene).unwrap();
+    let picture = |only: Only| {
+        let lighting = Lighting::new(std::slice::from_ref(&lamp), None, file.meta.origin, 0);
+        let relit = Relit::posed(&file, &surfaces, lighting, false, (&Motions::default(), posed.clone()));
+        let exposure = Exposure { size: SIZE, samples: 256, seed: 3 };
+        relit.picture(&file, &surfaces, &camera, exposure, only, || ()).pixels
+    };
+    for (name, ours, only, most) in
+        [("indirect", &ours[0], Only::Indirect, 0.03), ("all", &ours[1], Only::All, 0.05)]
+    {
+        let (error, bias) = common::difference(ours, &picture(only));
+        println!("{name}: {error}, bias {bias}");
+        assert!(error < most && bias.abs() < 0.02, "{name}: {error}, {bias}");
+    }
+    let (change, _) = common::difference(&ours[1], &rest);
+    assert!(change > 0.3, "the pose changes {change} only");
+    renderer.gpu().check().unwrap();
 }

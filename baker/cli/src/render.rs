@@ -7,13 +7,18 @@ use clap::{Args, ValueEnum};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
 use rebounce::sampling::cube_maps::CubeMapSettings;
+use rebounce::verify::render::posed::PosedScene;
 use rebounce::verify::render::reflections::cube_maps::{Correction, CubeMapLookup};
 use rebounce::verify::render::reflections::{ReflectionView, Way};
 use rebounce::verify::render::{Relit, packed_environment};
 use rebounce_args::number;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::LightKind;
 use rebounce_shared::lighting::Lighting;
+use rebounce_shared::rig::pose::Pose;
+use rebounce_shared::shot::Shot;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Most cube maps that are made for a picture.
 const MOST_MAPS: usize = 256;
@@ -107,18 +112,38 @@ fn report(relit: &Relit) {
     }
 }
 
+/// The file with its rig as the shot's animation has it.
+fn posed(scene: &BakedScene, shot: &Shot, name: &str) -> Result<Arc<PosedScene>> {
+    let animations = &scene.rig.layout.animations;
+    if animations.is_empty() {
+        bail!(
+            "{name} has nothing that an animation deforms, and is a scene as it was baked: bake the moment, \
+             `rebounce bake SCENE --animation NAME --time SECONDS`, and leave animation and time out of the shot"
+        );
+    }
+    let found = match &shot.animation {
+        None => animations.first(),
+        Some(wanted) => {
+            let named = animations.iter().find(|animation| animation.name == *wanted);
+            named.or_else(|| animations.get(wanted.parse::<usize>().ok()?))
+        }
+    };
+    let Some(animation) = found else {
+        let names: Vec<&str> = animations.iter().map(|animation| animation.name.as_str()).collect();
+        let wanted = shot.animation.as_deref().unwrap_or_default();
+        bail!("{name}: no animation {wanted:?} deforms a mesh; there are {}", names.join(", "));
+    };
+    let time = shot.time.unwrap_or_default() as f32;
+    Ok(Arc::new(PosedScene::new(scene, &Pose::of(&scene.rig, animation, time))))
+}
+
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
     let (_, scene) = read_baked(&args.file)?;
     let name = args.file.display().to_string();
     let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
-    if shot.is_animated() {
-        bail!(
-            "{name} is a scene as it was baked, and does not follow the animation of a shot: bake the moment, \
-             `rebounce bake SCENE --animation NAME --time SECONDS`, and leave animation and time out of the shot"
-        );
-    }
+    let posed = shot.is_animated().then(|| posed(&scene, &shot, &name)).transpose()?;
     let names: Vec<String> = scene.sources.groups.iter().map(|group| group.name.clone()).collect();
     let own = packed_environment(&scene);
     let (shot, environment) = match scene.is_solved() {
@@ -129,14 +154,21 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         .motions(&scene.groups, scene.meta.origin)
         .map_err(anyhow::Error::msg)
         .with_context(|| name.clone())?;
-    let surfaces = TriangleSurfaces::from_moved(&scene, &motions)?;
+    let drawn = posed.as_ref().map_or(&scene, |posed| &posed.scene);
+    let surfaces = TriangleSurfaces::from_moved(drawn, &motions)?;
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
     let lighting = lighting.with_groups(scene.solved_lights(), &shot.lights).with_context(|| name.clone())?;
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
-    let relit = Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions);
+    let relit = match posed {
+        None => Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions),
+        Some(ref posed) => {
+            let pose = (&motions, posed.clone());
+            Relit::posed(&scene, &with_lights, lighting, !args.no_detail, pose)
+        }
+    };
     let frame = shot.camera.frame(scene.meta.origin);
     let relit = if shot.gloss {
         let view = ReflectionView { frame, size: exposure.size };

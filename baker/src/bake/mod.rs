@@ -17,7 +17,6 @@ pub mod budget;
 mod estimate;
 mod identity;
 pub mod judge;
-mod nearest;
 pub mod observer;
 mod placed;
 mod preset;

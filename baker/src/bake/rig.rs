@@ -1,6 +1,6 @@
 //! The rig of a file: vertices by their numbers in the file, and points on the triangles that deform.
 
-use super::nearest::TriangleTree;
+use crate::geometry::nearest::TriangleTree;
 use crate::sampling::{Points, SurfacePoint};
 use crate::scene::Scene;
 use crate::scene::rig::{UNUSED, renumber};

@@ -13,6 +13,7 @@ mod brep;
 mod bvh8;
 mod emitters;
 pub mod mesh;
+pub(crate) mod nearest;
 mod scene_surfaces;
 pub mod simplify;
 mod tessellate;

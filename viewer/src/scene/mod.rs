@@ -187,9 +187,10 @@ impl GpuScene {
             if moving::is_solvable(&scene) || !scene.rig.is_empty() {
                 let own = Scope::new(gpu);
                 let points = moving::points(&own, &scene);
-                let relight = Relight::new(gpu, loaders.relight, &upload, &points, &scene);
                 let pipelines = || loaders.rig.get_or_init(|| RigPipelines::new(gpu)).clone();
                 let rig = GpuRig::new(gpu, pipelines, &upload, &points, &scene);
+                let lit = rig.as_ref().map_or(&points, |rig| &rig.points);
+                let relight = Relight::new(gpu, loaders.relight, &upload, lit, &scene);
                 let moving = match moving::is_solvable(&scene) {
                     true => Some(Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene)?),
                     false => None,

@@ -40,7 +40,7 @@ pub fn is_solvable(scene: &BakedScene) -> bool {
 
 /// Points of a scene where their groups are.
 pub fn points(scope: &Scope, scene: &BakedScene) -> wgpu::Buffer {
-    let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
     buffer(scope, "moved points", storage, bytemuck::cast_slice(&scene.points))
 }
 

@@ -6,6 +6,7 @@
 //! with albedo / π.
 
 pub mod backdrop;
+pub mod posed;
 pub mod reflections;
 pub mod shown;
 pub mod unlit;
@@ -21,6 +22,7 @@ use crate::random::Stream;
 use crate::sampling::open_share;
 use crate::verify::expose::{Exposure, expose};
 use glam::Vec3;
+use posed::PosedScene;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
@@ -33,6 +35,7 @@ use rebounce_shared::motion::Motions;
 use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::radiosity::solver::Scene;
 use rebounce_shared::radiosity::{Accelerator, ClippedFunctions, RadiositySettings, solve};
+use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::relight::{self, GroupIrradiance};
 use reflections::Reflections;
 use std::f32::consts::FRAC_1_PI;
@@ -73,6 +76,8 @@ pub struct Relit {
     reach: Option<f32>,
     /// Where the groups are; functions are where the file has them.
     motions: Motions,
+    /// The pose of what deforms; `None` at rest.
+    posed: Option<Arc<PosedScene>>,
     /// What metals reflect; `None` where they are Lambertian.
     reflections: Option<Reflections>,
 }
@@ -113,6 +118,21 @@ impl Relit {
         Self::moved(scene, surfaces, lighting, detail, &Motions::default())
     }
 
+    /// As [`Self::moved`], with a rig in a pose; `surfaces` are those of [`PosedScene::scene`].
+    pub fn posed(
+        scene: &BakedScene,
+        surfaces: &impl Surfaces,
+        lighting: Lighting,
+        detail: bool,
+        (motions, posed): (&Motions, Arc<PosedScene>),
+    ) -> Self {
+        let placed = Some(&posed.points[..]);
+        Self {
+            posed: Some(posed.clone()),
+            ..Self::placed(scene, surfaces, lighting, detail, (motions, placed))
+        }
+    }
+
     /// As [`Self::lit`], with groups where `motions` have them; `surfaces` are [there](BakedScene::moved_instances), too.
     pub fn moved(
         scene: &BakedScene,
@@ -120,6 +140,17 @@ impl Relit {
         lighting: Lighting,
         detail: bool,
         motions: &Motions,
+    ) -> Self {
+        Self::placed(scene, surfaces, lighting, detail, (motions, None))
+    }
+
+    /// `placed` has the points where direct light reaches them, where a pose has taken them elsewhere.
+    fn placed(
+        scene: &BakedScene,
+        surfaces: &impl Surfaces,
+        lighting: Lighting,
+        detail: bool,
+        (motions, placed): (&Motions, Option<&[Point]>),
     ) -> Self {
         let by_radiosity = !scene.is_precomputed() && (scene.is_unlinked() || !motions.is_empty());
         let accelerator = if by_radiosity { Accelerator::new(scene) } else { Accelerator::default() };
@@ -133,10 +164,12 @@ impl Relit {
             }
         };
         let (mut irradiance, sent) = match () {
-            () if by_radiosity => (gathered(scene, surfaces, &lighting, (&accelerator, motions)), Vec::new()),
+            () if by_radiosity => {
+                (gathered(scene, surfaces, &lighting, (&accelerator, motions, placed)), Vec::new())
+            }
             () if scene.is_solved() => (mixed(scene, &lighting), Vec::new()),
             () if scene.is_for_environment() => (transferred(scene, &lighting), Vec::new()),
-            () => relit(scene, surfaces, &lighting),
+            () => relit(scene, surfaces, &lighting, placed.unwrap_or(&scene.points)),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
@@ -160,6 +193,7 @@ impl Relit {
             basis,
             reach,
             motions,
+            posed: None,
             reflections: None,
         }
     }
@@ -183,7 +217,8 @@ impl Relit {
     /// As [`Self::interpolated`], with the light straight from the sky and emissive surfaces.
     pub fn light_at(&self, position: Vec3, normal: Vec3, group: u32) -> PointLight {
         let mut weights = Vec::with_capacity(64);
-        let (position, normal) = self.motions.at_rest(position, normal, group);
+        let posed = self.posed.as_ref().and_then(|posed| posed.at_rest(position, normal, group));
+        let (position, normal) = posed.unwrap_or_else(|| self.motions.at_rest(position, normal, group));
         self.basis.interpolate(position, normal, group, &mut weights);
         let weighted = |(index, weight): &(u32, f32)| self.irradiance[*index as usize].scaled(*weight);
         let sum = weights.iter().map(weighted).fold(PointLight::default(), PointLight::plus);
@@ -320,12 +355,18 @@ impl Relit {
     }
 }
 
-/// Returns the light of the points of a file whose lights move, and what its senders send.
-fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> (Vec<PointLight>, Vec<Vec3>) {
+/// Returns the light of the points of a file whose lights move, and what its senders send; `points` are where direct light
+/// reaches them.
+fn relit(
+    scene: &BakedScene,
+    surfaces: &impl Surfaces,
+    lighting: &Lighting,
+    points: &[Point],
+) -> (Vec<PointLight>, Vec<Vec3>) {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
-    let direct: Vec<Vec3> = scene.points[..scene.direct_count()]
+    let direct: Vec<Vec3> = points[..scene.direct_count()]
         .par_iter()
         .enumerate()
         .map(|(i, point)| direct::at_footprint(surfaces, &lighting.lamps, point) + source(i))
@@ -341,15 +382,19 @@ fn gathered(
     scene: &BakedScene,
     surfaces: &impl Surfaces,
     lighting: &Lighting,
-    (accelerator, motions): (&Accelerator, &Motions),
+    (accelerator, motions, placed): (&Accelerator, &Motions, Option<&[Point]>),
 ) -> Vec<PointLight> {
     let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
     let points = (0..scene.points.len()).into_par_iter();
-    let mut direct: Vec<Vec3> = points
-        .map(|i| direct::at_footprint(surfaces, &lighting.lamps, &scene.moved_point(i, motions)) + source(i))
-        .collect();
+    // What deforms is in no group that moves.
+    let place = |i: usize| match placed.filter(|placed| placed[i] != scene.points[i]) {
+        Some(placed) => placed[i],
+        None => scene.moved_point(i, motions),
+    };
+    let mut direct: Vec<Vec3> =
+        points.map(|i| direct::at_footprint(surfaces, &lighting.lamps, &place(i)) + source(i)).collect();
     relight::pull(scene, &mut direct);
     let solved = Scene { baked: scene, accelerator, motions };
     let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {

@@ -41,6 +41,10 @@ struct RigPass {
 pub struct GpuRig {
     /// Vertices where the file has them: section `VERT`.
     pub rest_vertices: wgpu::Buffer,
+    /// Points where they are in the pose: direct light is that of these.
+    pub points: wgpu::Buffer,
+    /// Points where the nodes of their groups are.
+    moved: wgpu::Buffer,
     /// Draw calls with triangles that deform, without those of blended materials.
     pub runs: Vec<DrawBatch>,
     rig: Rig,
@@ -57,12 +61,12 @@ pub struct GpuRig {
 }
 
 impl GpuRig {
-    /// Prepares the rig of a scene; `points` is the buffer of the points where they are. `None` where nothing deforms.
+    /// Prepares the rig of a scene; `moved` are the points where the nodes of their groups are. `None` where nothing deforms.
     pub fn new(
         gpu: &Gpu,
         pipelines: impl FnOnce() -> RigPipelines,
         upload: &Upload,
-        points: &wgpu::Buffer,
+        moved: &wgpu::Buffer,
         scene: &BakedScene,
     ) -> Option<Self> {
         let rig = &scene.rig;
@@ -72,6 +76,7 @@ impl GpuRig {
         let pipelines = pipelines();
         let own = Scope::new(gpu);
         let stored = |label, content: &[u8]| buffer(&own, label, BufferUsages::STORAGE, content);
+        let points = super::moving::points(&own, scene);
         let binds = stored("RIGV", bytemuck::cast_slice(&rig.vertices));
         let deltas = stored("RIGM", bytemuck::cast_slice(&rig.deltas));
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
@@ -118,6 +123,8 @@ impl GpuRig {
                 bytemuck::cast_slice(&scene.vertices),
             ),
             runs: runs(scene, upload),
+            points,
+            moved: moved.clone(),
             rig: rig.clone(),
             pose: pose.into(),
             is_stale: false.into(),
@@ -146,7 +153,7 @@ impl GpuRig {
         changes
     }
 
-    /// Lets points and vertices follow again: something else has put points where they are at rest.
+    /// Lets points follow again: nodes have moved.
     pub fn renew(&self) {
         self.is_stale.set(true);
     }
@@ -161,6 +168,7 @@ impl GpuRig {
         if !pose.weights.is_empty() {
             gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&pose.weights));
         }
+        encoder.copy_buffer_to_buffer(&self.moved, 0, &self.points, 0, self.points.size());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         let mut dispatch = |pipeline: &wgpu::ComputePipeline, group: &wgpu::BindGroup, count: u32| {
             pass.set_pipeline(pipeline);

@@ -6,7 +6,7 @@ use glam::DVec3;
 const FEW: usize = 4;
 
 /// Triangles, to be asked for the nearest to a place: a binary tree of boxes.
-pub(super) struct TriangleTree {
+pub(crate) struct TriangleTree {
     triangles: Vec<[DVec3; 3]>,
     /// Triangles, leaf after leaf.
     order: Vec<u32>,
@@ -26,7 +26,7 @@ struct TreeNode {
 
 /// A place on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NearestPlace {
+pub(crate) struct NearestPlace {
     /// Number of the triangle.
     pub triangle: u32,
     /// Barycentric coordinates of its second and third corner.
