@@ -6,6 +6,7 @@ use glam::DVec3;
 const FEW: usize = 4;
 
 /// Triangles, to be asked for the nearest to a place: a binary tree of boxes.
+#[derive(Debug)]
 pub(crate) struct TriangleTree {
     triangles: Vec<[DVec3; 3]>,
     /// Triangles, leaf after leaf.
@@ -14,6 +15,7 @@ pub(crate) struct TriangleTree {
 }
 
 /// A box. The first half of its triangles is in the next node, the other half in another one.
+#[derive(Debug)]
 struct TreeNode {
     low: DVec3,
     high: DVec3,

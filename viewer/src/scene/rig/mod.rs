@@ -110,7 +110,7 @@ impl GpuRig {
                 &binds,
                 &records,
                 &upload.vertices,
-                points,
+                &points,
             ];
             let resources = resources.map(wgpu::Buffer::as_entire_binding);
             (group(gpu, "ride", &pipelines.ride.0, &resources), count)
