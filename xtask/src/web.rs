@@ -95,9 +95,11 @@ fn renderers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Builds the modules of the baker.
+/// Builds the modules of the baker. Quick ones are one program under two names, which reads STEP files, too.
 fn bakers(toolchain: Toolchain, kind: Bakers, pkg: &Path) -> Result<()> {
-    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
+    let step = &["--features", "step"][..];
+    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, step)] {
+        let options = if kind == Bakers::Quick { step } else { options };
         let wasm = baker_wasm(toolchain, kind.profile("web-baker"), options)?;
         bindgen::module(&wasm, name, bindgen::FROM_MODULE, pkg)?;
         if kind == Bakers::Published {
