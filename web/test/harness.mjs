@@ -6,6 +6,25 @@ export class Harness {
   failed = 0;
   /** What the tests that passed have looked at, such as "attribute src". */
   covered = new Set();
+  /** Tests that take long and were left out. */
+  left = 0;
+  /** Whether those that take long are run, too. */
+  #long;
+
+  constructor(long = false) {
+    this.#long = long;
+  }
+
+  /** As `test`, of one that takes long: what it looks at counts as looked at where it is left out. */
+  async long(name, work, covers = "") {
+    if (this.#long) return this.test(name, work, covers);
+    this.left += 1;
+    this.#cover(covers);
+  }
+
+  #cover(covers) {
+    for (const what of covers.split(/[,\n]/)) this.covered.add(what.trim());
+  }
 
   /** Runs one test and says how it went. Never throws. `covers`: what of the element it looks at, one a line. */
   async test(name, work, covers = "") {
@@ -13,7 +32,7 @@ export class Harness {
     try {
       await work();
       this.passed += 1;
-      for (const what of covers.split(/[,\n]/)) this.covered.add(what.trim());
+      this.#cover(covers);
       const seconds = Math.round((performance.now() - began) / 1000);
       console.log(`test ${name} ... ok${seconds < 5 ? "" : ` (${seconds} s)`}`);
     } catch (error) {

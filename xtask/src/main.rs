@@ -54,7 +54,7 @@ cargo xtask film [--scene FILE] [--out OUT.webp]
                      bakes a scene (builtin:apartment), moves a lamp in headless Chromium, and makes an animated
                      picture (docs/relight.webp) of at most 3 MB; installs webp
 cargo xtask check    format, lints, rustdoc, layers, names, docs, and the library for wasm; part of all tests
-cargo xtask test [check|native|wasm|page|package|site|install|mpi [NAME]]
+cargo xtask test [--long] [check|native|wasm|page|package|site|install|mpi [NAME]]
                      runs every test, those in the browser and of bakes over several processes included; or
                      one part. install, only by name: of the command, installed from its packages.
                      native NAME: tests whose path has NAME in it; page NAME: one of the files of web/test/page

@@ -15,17 +15,20 @@ const PARTS: [&str; 8] = ["check", "native", "wasm", "page", "package", "site", 
 /// Feature of the command with MPI.
 const MPI: &str = "rebounce-cli/mpi";
 
-/// Runs every test, or one part, or the tests of one name in the parts `native` and `page`. A failed part does not
-/// stop later parts; the test of the installed command recompiles everything and runs only by name.
+/// Runs every test, or one part, or the tests of one name in the parts `native` and `page`; with `--long` those, too, that take
+/// minutes of processor time, as those of a name do. A failed part does not stop later parts; the test of the installed command
+/// recompiles everything and runs only by name.
 ///
 /// # Errors
 /// If a dependency is missing, code does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
-    let part = args.first().map(String::as_str);
+    let (long, args): (Vec<&String>, Vec<&String>) = args.iter().partition(|arg| *arg == "--long");
+    let part = args.first().map(|part| part.as_str());
     if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 2 {
         bail!("there are these parts: {}; without a name all of them are run", PARTS.join(", "));
     }
-    let name = args.get(1).map(String::as_str);
+    let name = args.get(1).map(|name| name.as_str());
+    let long = !long.is_empty() || name.is_some();
     if name.is_some() && !matches!(part, Some("native" | "page")) {
         bail!("the tests of one name can be run of the parts native and page alone");
     }
@@ -35,7 +38,8 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("mpi") {
         return over_mpi();
     }
-    let bakers = if part.is_none() { web::Bakers::Quick } else { web::Bakers::Published };
+    // As they are published, the bakers are compiled for minutes.
+    let bakers = if part.is_none() && !long { web::Bakers::Quick } else { web::Bakers::Published };
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
@@ -60,10 +64,10 @@ pub fn run(args: &[String]) -> Result<()> {
         println!("{error:#}");
     }
     let native = match part {
-        None => install::ensure(&install::MPI).and_then(|()| native(&["--features", MPI])),
-        Some("native") => native(name.as_slice()),
+        None => install::ensure(&install::MPI).and_then(|()| native(&["--features", MPI], long)),
+        Some("native") => native(name.as_slice(), long),
         Some("wasm") => Ok(()),
-        Some(_) => native(&["--no-run"]),
+        Some(_) => native(&["--no-run"], false),
     };
     if let Err(error) = &native {
         println!("{error:#}");
@@ -75,7 +79,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &wasm {
         println!("{error:#}");
     }
-    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, bakers, name);
+    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, bakers, (name, long));
     if let Err(error) = &browser {
         println!("{error:#}");
     }
@@ -84,11 +88,14 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// `cargo test` of the workspace, in the development profile (optimised): the tests, then those in documentation. The build
 /// includes the programs for the browser tests, and leaves out examples, which `cargo xtask check` looks at.
-fn native(options: &[&str]) -> Result<()> {
+fn native(options: &[&str], long: bool) -> Result<()> {
     let run = |targets: &[&str]| {
         let mut command = process::cargo();
         command.args(["test", "--locked", "--workspace", "--features", sources::STEP, "--no-fail-fast"]);
         command.args(targets).args(options);
+        if long && targets == ["--tests"] {
+            command.args(["--", "--include-ignored"]);
+        }
         if let Some(description) = install::lavapipe() {
             command.env("VK_DRIVER_FILES", description);
         }
@@ -111,13 +118,16 @@ fn browser(
     wasm: &[PathBuf],
     wanted: impl Fn(&'static str) -> bool,
     bakers: web::Bakers,
-    name: Option<&str>,
+    (name, long): (Option<&str>, bool),
 ) -> Result<()> {
     let work = process::target().join("browser-tests");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let bin = |name: &str| process::target().join("debug").join(name);
     let mut node = web::node();
     node.arg("test/run.mjs");
+    if long {
+        node.arg("--long");
+    }
     for file in wasm {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let dir = work.join("wasm");

@@ -31,7 +31,7 @@ export async function bakeGuide(harness, context) {
     return { page, faults };
   };
   try {
-    await harness.test("bake-guide::the_element_bakes_tells_how_far_it_is_and_saves", async () => {
+    await harness.long("bake-guide::the_element_bakes_tells_how_far_it_is_and_saves", async () => {
       const script = `<script type="module">${await block(PAGE, "progress.js")}</script>`;
       const { page, faults } = await opened("element.html", `${await block(PAGE, "element.html")}${script}`, ICON);
       const said = [];

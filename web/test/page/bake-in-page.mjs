@@ -177,7 +177,7 @@ export async function bakeInPage(harness, context) {
             most = Math.max(most, running.size);
             if (stage === "gathering links") abort.abort();
           };
-          const ended = bake(bytesOf(scene), { preset: "standard", workers: 2, onProgress, signal: abort.signal });
+          const ended = bake(bytesOf(scene), { preset: "draft", functions: 16000, workers: 2, onProgress, signal: abort.signal });
           const name = await ended.then(() => "baked", (error) => error.name);
           return { name, workers: [most, running.size] };
         },

@@ -47,7 +47,7 @@ export async function gloss(harness, context) {
     return { page, faults, turned };
   }
 
-  await harness.test("gloss::metals_reflect_a_sky_that_turns", async () => {
+  await harness.long("gloss::metals_reflect_a_sky_that_turns", async () => {
     const matt = await shown("matt", ["--gloss-roughness", "0"]);
     const dull = [await matt.turned(0), await matt.turned(120)];
     await matt.page.close();

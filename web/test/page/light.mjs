@@ -64,7 +64,7 @@ export async function light(harness, context) {
     const told = await page.evaluate(() => events.filter((event) => event.type === "light-change").length);
     check(told > 0, "no light-change event");
   });
-  await harness.test(
+  await harness.long(
     "page::light_is_the_same_looked_up_and_splatted",
     async () => {
       const read = async (shot) => {

@@ -219,7 +219,7 @@ export async function pictures(harness, shared) {
     equal(wrong.length, 0, `pixels that shine where nothing stands, or do not; the first is ${wrong[0]}`);
     await page.close();
   });
-  await harness.test("pictures::a_turn_that_metadata_ask_for_is_none_of_gltfs", async () => {
+  await harness.long("pictures::a_turn_that_metadata_ask_for_is_none_of_gltfs", async () => {
     const { plain, tagged } = await turned(browser);
     // Chromium turns what asks for it, or this would show nothing.
     same([plain.size, tagged.size], [[64, 32], [32, 64]], "sizes as the browser decodes them");

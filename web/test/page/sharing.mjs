@@ -177,7 +177,7 @@ export async function sharing(harness, context) {
     });
   }
 
-  await harness.test("page::sharing::elements_come_and_go_without_a_trace", async () => {
+  await harness.long("page::sharing::elements_come_and_go_without_a_trace", async () => {
     const { page, faults } = await counted(context, PLAIN);
     await outcome(page);
     const session = await page.context().newCDPSession(page);

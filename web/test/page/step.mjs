@@ -60,7 +60,7 @@ export async function step(harness, context) {
     await page.close();
   });
 
-  await harness.test("step::the_lightmap_of_a_wavelet_solution_is_that_of_the_command", async () => {
+  await harness.long("step::the_lightmap_of_a_wavelet_solution_is_that_of_the_command", async () => {
     const lights = [{ ...LAMP, position: PLACES[0] }, { ...AT, position: PLACES[1] }];
     await writeFile(file("shot.json"), JSON.stringify({ size: SIZE, camera: CAMERA, lights }));
     const solve = ["solve", STEP, "--solver", "wavelet", "--shot", file("shot.json"), "--preset", "draft", "--functions", "3K"];
