@@ -185,15 +185,21 @@ impl GpuScene {
             let upload = Upload::new(gpu, &scene)?;
             #[cfg(feature = "radiosity")]
             if moving::is_solvable(&scene) || !scene.rig.is_empty() {
-                let own = Scope::new(gpu);
-                let points = moving::points(&own, &scene);
+                let moved = moving::is_solvable(&scene).then(|| {
+                    let own = Scope::new(gpu);
+                    let points = moving::points(&own, &scene);
+                    (own, points)
+                });
+                let placed = moved.as_ref().map_or(&upload.points, |(_, points)| points);
                 let pipelines = || loaders.rig.get_or_init(|| RigPipelines::new(gpu)).clone();
-                let rig = GpuRig::new(gpu, pipelines, &upload, &points, &scene);
-                let lit = rig.as_ref().map_or(&points, |rig| &rig.points);
+                let rig = GpuRig::new(gpu, pipelines, &upload, placed, &scene);
+                let lit = rig.as_ref().map_or(placed, |rig| &rig.points);
                 let relight = Relight::new(gpu, loaders.relight, &upload, lit, &scene);
-                let moving = match moving::is_solvable(&scene) {
-                    true => Some(Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene)?),
-                    false => None,
+                let moving = match moved {
+                    Some((own, points)) => {
+                        Some(Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene)?)
+                    }
+                    None => None,
                 };
                 return Ok::<_, ViewerError>((upload, relight, (moving, rig)));
             }

@@ -151,6 +151,14 @@ impl Upload {
             vertices: section("VERT", vertex_usage(scene), bytemuck::cast_slice(&scene.vertices)),
             indices: section("INDX", BufferUsages::INDEX, cast(&indices)),
             instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
+            // A rig begins with them.
+            #[cfg(feature = "radiosity")]
+            points: section(
+                "PNTS",
+                BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+                bytemuck::cast_slice(&scene.points),
+            ),
+            #[cfg(not(feature = "radiosity"))]
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
             cuts: roomy("CUTS", bytemuck::cast_slice(&scene.cuts), cuts),
             gains: stored("OPEN", bytemuck::cast_slice(&gains)),
