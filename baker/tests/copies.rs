@@ -101,6 +101,7 @@ impl Observer for StopAfter {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn a_bake_of_copies_that_was_stopped_goes_on_to_the_same_file() {
     let (scene, settings) = (crowd(Said::Instances), settings());
     let whole = bake(&scene, &settings, &()).unwrap().0;

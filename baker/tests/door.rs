@@ -70,6 +70,7 @@ fn a_closed_leaf_keeps_light_out_whichever_way_the_file_was_baked() {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn an_open_leaf_lets_in_the_light_of_the_path_tracer_whichever_way_the_file_was_baked() {
     let scene = rebounce::io::load("builtin:two-rooms-leaf-open").unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);

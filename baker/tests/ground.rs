@@ -111,6 +111,7 @@ fn error(judge: &Judge, baked: &BakedScene) -> f64 {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn a_house_on_a_plain_without_end_gets_the_functions() {
     let mut scene = loaded(&house(), Some(4000.0));
     let sun = Light::Directional {

@@ -62,6 +62,7 @@ fn an_open_door_lets_light_through() {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn no_light_comes_through_a_curtain_where_it_meets_a_pillar() {
     let scene = rebounce::io::load("builtin:arcade").unwrap();
     let (file, _) = bake(&scene, &BakeSettings::new(Preset::Draft), &()).unwrap();

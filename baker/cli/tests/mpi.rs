@@ -78,7 +78,7 @@ fn any_number_of_processes_and_threads_makes_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
     let few = ["--functions", "4000"];
     let expected = alone(&folder.path().join("alone.rbn"), &few);
-    for (processes, threads) in [(1, 1), (2, 1), (2, 2), (4, 1), (4, 2)] {
+    for (processes, threads) in [(1, 2), (2, 2), (4, 1)] {
         let path = folder.path().join("team.rbn");
         let done = together(processes, threads, &path, &few).output().unwrap();
         assert!(done.status.success(), "{}", said(&done));
@@ -95,8 +95,8 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
     let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     let expected = alone(&folder.path().join("alone.rbn"), &[]);
-    // The second, the last, the first itself; while points are placed, and while links are traced.
-    for (lost, bytes, number) in [(1, 400_000, 2), (3, 1_000, 4), (0, 400_000, 1)] {
+    // The last, and the first itself; while points are placed, and while links are traced.
+    for (lost, bytes, number) in [(3, 1_000, 4), (0, 400_000, 2)] {
         let path = folder.path().join(format!("lost-{lost}.rbn"));
         // Seconds between the signals that end and that kill the remaining processes: on a busy machine, one second
         // is too short for an error message.

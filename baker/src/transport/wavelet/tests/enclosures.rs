@@ -185,6 +185,7 @@ fn tiles() -> Vec<WaveletPatch> {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn clusters_are_a_furnace_on_any_number_of_threads() {
     let patches = tiles();
     let settings = WaveletSettings { convergence: 0.999, ..WaveletSettings::default() };
