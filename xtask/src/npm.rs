@@ -45,7 +45,7 @@ pub fn build(kind: web::Bakers) -> Result<()> {
     web::npm()?;
     let npm = process::root().join("baker/npm");
     let (pkg, dist) = (npm.join("pkg"), npm.join("dist"));
-    let wasm = web::baker_wasm(toolchain::find()?, kind.profile("npm"), &["--features", "command,step"])?;
+    let wasm = web::baker_wasm(toolchain::find()?, kind.profile("npm"), &["--features", web::COMMAND_STEP])?;
     bindgen::module(&wasm, web::BAKER, bindgen::FROM_MODULE, &pkg)?;
     let node = |args: &[&Path]| process::run(Command::new("node").args(args).current_dir(&npm));
     node(&[Path::new("generate.mjs"), &pkg, &npm.join("src/options.ts")])?;

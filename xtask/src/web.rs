@@ -21,6 +21,8 @@ const RADIOSITY: &str = "rebounce_radiosity";
 pub const BAKER: &str = "rebounce_baker";
 /// As [`NAME`], of the baker that reads STEP files, too.
 pub const BAKER_STEP: &str = "rebounce_baker_step";
+/// Features of the baker of the npm package.
+pub const COMMAND_STEP: &str = "command,step";
 /// As [`NAME`], of bounced light for three.js.
 const THREE: &str = "rebounce_three";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
@@ -95,11 +97,11 @@ fn renderers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Builds the modules of the baker. Quick ones are one program under two names, which reads STEP files, too.
+/// Builds the modules of the baker. Quick ones are one program under two names, that of npm: other features would compile the baker
+/// again.
 fn bakers(toolchain: Toolchain, kind: Bakers, pkg: &Path) -> Result<()> {
-    let step = &["--features", "step"][..];
-    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, step)] {
-        let options = if kind == Bakers::Quick { step } else { options };
+    for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
+        let options = if kind == Bakers::Quick { &["--features", COMMAND_STEP] } else { options };
         let wasm = baker_wasm(toolchain, kind.profile("web-baker"), options)?;
         bindgen::module(&wasm, name, bindgen::FROM_MODULE, pkg)?;
         if kind == Bakers::Published {
