@@ -1,5 +1,6 @@
 //! A rig at a moment of an animation.
 
+use super::keys::{between_rotations, cubic_hermite};
 use super::{NodePose, Rig, RigAnimation, RigInterpolation, RigLayout, RigTarget, RigTrack};
 use crate::rbn::bulk::Instance;
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
@@ -88,31 +89,21 @@ fn value(layout: &RigLayout, track: &RigTrack, time: f32) -> Vec<f32> {
     let (a, b) = (part(key, 1), part(next, 1));
     match track.interpolation {
         RigInterpolation::Step => a.to_vec(),
-        RigInterpolation::Linear if matches!(track.target, RigTarget::Rotation(_)) => slerp(a, b, s).to_vec(),
+        RigInterpolation::Linear if matches!(track.target, RigTarget::Rotation(_)) => {
+            let quaternion = |x: &[f32]| std::array::from_fn(|i| f64::from(x[i]));
+            between_rotations(quaternion(a), quaternion(b), f64::from(s)).map(|x| x as f32).to_vec()
+        }
         RigInterpolation::Linear => a.iter().zip(b).map(|(a, b)| a + s * (b - a)).collect(),
         RigInterpolation::CubicSpline => {
             let (leaving, arriving) = (part(key, 2), part(next, 0));
-            let (s2, s3) = (s * s, s * s * s);
-            (0..width)
-                .map(|c| {
-                    (2.0 * s3 - 3.0 * s2 + 1.0) * a[c]
-                        + step * (s3 - 2.0 * s2 + s) * leaving[c]
-                        + (3.0 * s2 - 2.0 * s3) * b[c]
-                        + step * (s3 - s2) * arriving[c]
-                })
-                .collect()
+            let [step, s] = [step, s].map(f64::from);
+            let at = |c: usize| {
+                let [a, leaving, arriving, b] = [a[c], leaving[c], arriving[c], b[c]].map(f64::from);
+                cubic_hermite([a, leaving], [arriving, b], step, s) as f32
+            };
+            (0..width).map(at).collect()
         }
     }
-}
-
-/// Spherical linear interpolation the shorter way round (Shoemake 1985).
-fn slerp(a: &[f32], b: &[f32], s: f32) -> [f32; 4] {
-    let quaternion = |x: &[f32]| DQuat::from_array(std::array::from_fn(|i| f64::from(x[i])));
-    let [a, b] = [a, b].map(|x| quaternion(x).normalize());
-    if !(a.is_finite() && b.is_finite()) {
-        return [0.0, 0.0, 0.0, 1.0];
-    }
-    a.slerp(b, f64::from(s)).to_array().map(|x| x as f32)
 }
 
 fn matrix(pose: &NodePose) -> DAffine3 {

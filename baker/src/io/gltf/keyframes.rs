@@ -4,12 +4,12 @@ use super::node::PlacedNode;
 use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
-use glam::{DMat4, DQuat};
+use glam::DMat4;
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Interpolation as Kind, Sampler};
 use gltf::json::validation::Checked;
-use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::LARGEST;
+use rebounce_shared::rig::keys::{between_rotations, cubic_hermite};
 
 /// Sampling rate, keys per second, of a light path that is not straight between keys: rotated, or moved by several
 /// nodes.
@@ -86,13 +86,7 @@ impl<const W: usize> Curve<W> {
             Kind::CubicSpline => {
                 let (leaving, arriving) = (self.values[3 * k + 2], self.values[3 * next]);
                 let (a, b) = (value(k), value(next));
-                let (s2, s3) = (s * s, s * s * s);
-                std::array::from_fn(|c| {
-                    (2.0 * s3 - 3.0 * s2 + 1.0) * a[c]
-                        + step * (s3 - 2.0 * s2 + s) * leaving[c]
-                        + (3.0 * s2 - 2.0 * s3) * b[c]
-                        + step * (s3 - s2) * arriving[c]
-                })
+                std::array::from_fn(|c| cubic_hermite([a[c], leaving[c]], [arriving[c], b[c]], step, s))
             }
         }
     }
@@ -110,22 +104,6 @@ fn kind(source: &Source, sampler: &Sampler, what: &str) -> Result<Kind, SceneErr
 
 pub(super) fn straight<const W: usize>(a: [f64; W], b: [f64; W], s: f64) -> [f64; W] {
     std::array::from_fn(|c| a[c] + s * (b[c] - a[c]))
-}
-
-fn around(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
-    let [a, b] = [a, b].map(|q| DQuat::from_array(q).normalize());
-    if a.is_finite() && b.is_finite() { slerp(a, b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
-}
-
-/// Spherical linear interpolation of unit quaternions the shorter way round (Shoemake 1985).
-fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
-    let cosine = a.dot(b);
-    let (cosine, b) = if cosine < 0.0 { (-cosine, -b) } else { (cosine, b) };
-    if cosine > 1.0 - f64::EPSILON {
-        return (a * (1.0 - s) + b * s).normalize();
-    }
-    let angle = cosine.arc_cosine();
-    (a * ((1.0 - s) * angle).sine() + b * (s * angle).sine()) * angle.sine().recip()
 }
 
 /// Animation curves of a node.
@@ -152,7 +130,7 @@ impl Motion {
     pub(super) fn pose(&self, rest: Pose, time: f64) -> Pose {
         Pose {
             translation: self.translation.as_ref().map_or(rest.translation, |c| c.at(time, straight)),
-            rotation: self.rotation.as_ref().map_or(rest.rotation, |c| c.at(time, around)),
+            rotation: self.rotation.as_ref().map_or(rest.rotation, |c| c.at(time, between_rotations)),
             scale: self.scale.as_ref().map_or(rest.scale, |c| c.at(time, straight)),
         }
     }
