@@ -46,12 +46,8 @@ impl Bind {
             let accessors = [("POSITION", target.positions), ("NORMAL", target.normals)];
             for (part, (name, accessor)) in accessors.into_iter().enumerate() {
                 let Some(accessor) = accessor else { continue };
-                let what = format!("{name} of morph target {t} of {}", numbers.what());
-                let values = source.read::<3>(accessor.value(), Type::Vec3, &what)?;
-                if values.len() != count {
-                    return Err(source.malformed(format!("{what} has another length than {name}")));
-                }
-                moves.iter_mut().zip(values).for_each(|(at, by)| at[part] = by.into());
+                let values = target_moves(source, numbers, accessor.value(), (name, t), count)?;
+                moves.iter_mut().zip(values).for_each(|(at, by)| at[part] = by);
             }
             read.push(moves);
         }
@@ -67,6 +63,34 @@ fn influences(
     crowded: &mut usize,
 ) -> Result<Option<Vec<Influences>>, SceneError> {
     let mut all: Vec<Vec<(u32, f64)>> = vec![Vec::new(); count];
+    let first = each_joint(source, numbers, count, |vertex, joint, weight| {
+        let own = &mut all[vertex];
+        match own.iter_mut().find(|(other, _)| *other == joint as u32) {
+            Some((_, sum)) => *sum += weight,
+            None => own.push((joint as u32, weight)),
+        }
+        Ok(())
+    })?;
+    let Some(first) = first else { return Ok(None) };
+    let of_vertex = |(own, joint): (Vec<(u32, f64)>, f64)| {
+        *crowded += usize::from(own.len() > 4);
+        // A vertex without weights follows the first joint.
+        greatest(own).unwrap_or([(joint as u32, WHOLE), (0, 0), (0, 0), (0, 0)])
+    };
+    Ok(Some(all.into_iter().zip(first).map(of_vertex).collect()))
+}
+
+/// Calls `each` with the vertex, the joint and the weight, for all weights over 0 of a primitive, set after set (glTF 2.0, 3.7.3.1).
+/// Returns the first joint of each vertex; `None` without joints.
+///
+/// # Errors
+/// Attributes of another length than `count`, and those of `each`.
+pub(super) fn each_joint(
+    source: &Source,
+    numbers: &PrimitiveReader,
+    count: usize,
+    mut each: impl FnMut(usize, f64, f64) -> Result<(), SceneError>,
+) -> Result<Option<Vec<f64>>, SceneError> {
     let mut first = Vec::new();
     for set in 0.. {
         let joints = numbers.read::<4>(&Semantic::Joints(set), Type::Vec4)?;
@@ -75,31 +99,39 @@ fn influences(
         if joints.len() != count || weights.len() != count {
             return Err(source.malformed(format!("{} has attributes of different lengths", numbers.what())));
         }
-        for ((own, joints), weights) in all.iter_mut().zip(&joints).zip(&weights) {
+        for (vertex, (joints, weights)) in joints.iter().zip(&weights).enumerate() {
             for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
-                match own.iter_mut().find(|(other, _)| *other == joint as u32) {
-                    Some((_, sum)) => *sum += weight,
-                    None => own.push((joint as u32, weight)),
-                }
+                each(vertex, joint, weight)?;
             }
         }
         if set == 0 {
-            first = joints;
+            first = joints.iter().map(|[joint, ..]| *joint).collect();
         }
     }
-    if first.is_empty() {
-        return Ok(None);
-    }
-    let of_vertex = |(own, [joint, ..]): (Vec<(u32, f64)>, [f64; 4])| {
-        *crowded += usize::from(own.len() > 4);
-        // A vertex without weights follows the first joint.
-        greatest(own).unwrap_or([(joint as u32, WHOLE), (0, 0), (0, 0), (0, 0)])
-    };
-    Ok(Some(all.into_iter().zip(first).map(of_vertex).collect()))
+    Ok((!first.is_empty()).then_some(first))
 }
 
-/// The four greatest weights in 65535ths, which add up to one; `None` where all are 0. What rounding leaves goes to those that it
-/// took most from.
+/// Reads the displacements of a morph target: of positions or of normals, by `name`.
+///
+/// # Errors
+/// Another number of them than `count`.
+pub(super) fn target_moves(
+    source: &Source,
+    numbers: &PrimitiveReader,
+    accessor: usize,
+    (name, target): (&str, usize),
+    count: usize,
+) -> Result<Vec<DVec3>, SceneError> {
+    let what = format!("{name} of morph target {target} of {}", numbers.what());
+    let moves = source.read::<3>(accessor, Type::Vec3, &what)?;
+    if moves.len() != count {
+        return Err(source.malformed(format!("{what} has another length than {name}")));
+    }
+    Ok(moves.into_iter().map(DVec3::from).collect())
+}
+
+/// The four greatest weights in 65535ths, with the sum 65535; `None` where all weights are 0. The remainder of rounding down goes to
+/// the weights with the greatest fractions.
 fn greatest(mut own: Vec<(u32, f64)>) -> Option<Influences> {
     own.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     own.truncate(4);

@@ -1,12 +1,12 @@
 //! Rest pose of meshes: morph targets with default weights (glTF 2.0, 3.7.2.2), then skins (3.7.3.3).
 
-use super::bind::Bind;
+use super::bind::{Bind, each_joint, target_moves};
 use super::primitive::PrimitiveReader;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat3, DMat4, DVec3};
 use gltf::json::accessor::Type;
-use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::mesh::Primitive;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -16,7 +16,7 @@ pub(super) struct Rest {
     /// Weights of the morph targets, in file order; targets beyond the end have weight 0.
     weights: Vec<f64>,
     skin: Option<Skin>,
-    /// What animations change of it, if they do.
+    /// The parts of the deformation that animations change; `None` for a deformation at rest.
     animated: Option<AnimatedParts>,
 }
 
@@ -58,7 +58,7 @@ impl Rest {
         self.animated.is_some_and(|animated| animated.weights)
     }
 
-    /// Reads what animations deform; `None` where they do not. Morph targets whose weights they leave alone are applied.
+    /// Reads the primitive before its animated deformation; `None` without animation. Morph targets with constant weights are applied.
     ///
     /// # Errors
     /// Morph targets or joints that are missing or of the wrong length.
@@ -148,12 +148,8 @@ impl Rest {
                 continue;
             }
             let add = |accessor: usize, of: &mut [DVec3], name: &str| {
-                let what = format!("{name} of morph target {t} of {}", numbers.what());
-                let moves = source.read::<3>(accessor, Type::Vec3, &what)?;
-                if moves.len() != of.len() {
-                    return Err(source.malformed(format!("{what} has another length than {name}")));
-                }
-                of.iter_mut().zip(moves).for_each(|(at, by)| *at += weight * DVec3::from(by));
+                let moves = target_moves(source, numbers, accessor, (name, t), of.len())?;
+                of.iter_mut().zip(moves).for_each(|(at, by)| *at += weight * by);
                 Ok(())
             };
             if let Some(accessor) = target.positions {
@@ -197,34 +193,19 @@ impl Skin {
         count: usize,
     ) -> Result<Vec<DMat4>, SceneError> {
         let mut sums = vec![(DMat4::ZERO, 0.0); count];
-        let mut first = Vec::new();
-        for set in 0.. {
-            let joints = numbers.read::<4>(&Semantic::Joints(set), Type::Vec4)?;
-            let weights = numbers.read::<4>(&Semantic::Weights(set), Type::Vec4)?;
-            let Some((joints, weights)) = joints.zip(weights) else { break };
-            if joints.len() != count || weights.len() != count {
-                let what = numbers.what();
-                return Err(source.malformed(format!("{what} has attributes of different lengths")));
-            }
-            for ((sum, joints), weights) in sums.iter_mut().zip(&joints).zip(&weights) {
-                for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
-                    let matrix = self.matrix(joint).ok_or_else(|| self.no_joint(source, numbers, joint))?;
-                    *sum = (sum.0 + matrix * weight, sum.1 + weight);
-                }
-            }
-            if set == 0 {
-                first = joints;
-            }
-        }
-        if first.is_empty() {
-            return Ok(vec![self.world_from_node; count]);
-        }
-        let of_vertex = |((sum, total), joints): ((DMat4, f64), [f64; 4])| {
+        let first = each_joint(source, numbers, count, |vertex, joint, weight| {
+            let matrix = self.matrix(joint).ok_or_else(|| self.no_joint(source, numbers, joint))?;
+            let (sum, total) = sums[vertex];
+            sums[vertex] = (sum + matrix * weight, total + weight);
+            Ok(())
+        })?;
+        let Some(first) = first else { return Ok(vec![self.world_from_node; count]) };
+        let of_vertex = |((sum, total), joint): ((DMat4, f64), f64)| {
             if total > 0.0 {
                 return Ok(sum * (1.0 / total));
             }
             // A vertex without weights follows the first joint.
-            self.matrix(joints[0]).ok_or_else(|| self.no_joint(source, numbers, joints[0]))
+            self.matrix(joint).ok_or_else(|| self.no_joint(source, numbers, joint))
         };
         sums.into_iter().zip(first).map(of_vertex).collect()
     }
@@ -281,16 +262,9 @@ impl Skins {
         if self.parents.is_empty() {
             self.parents = parents(source);
         }
-        let mut chain = Vec::new();
-        let mut at = Some(joint);
-        while let Some(node) = at.filter(|node| !self.worlds.contains_key(node)) {
-            if chain.len() > self.parents.len() {
-                return Err(source.malformed(format!("joint node {joint} is its own ancestor")));
-            }
-            chain.push(node);
-            let parent = self.parents.get(node);
-            at = *parent.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
-        }
+        let what = || format!("joint node {joint}");
+        let (chain, at) =
+            ancestors(source, &self.parents, joint, what, |node| self.worlds.contains_key(node))?;
         let mut world = at.and_then(|node| self.worlds.get(&node)).copied().unwrap_or(DMat4::IDENTITY);
         for node in chain.into_iter().rev() {
             let transform = source.exact.nodes.get(node);
@@ -319,6 +293,30 @@ pub(super) fn joints(source: &Source, index: usize) -> Result<Vec<(usize, DMat4)
     }
     let bind = |j: usize| binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
     Ok(skin.joints.iter().enumerate().map(|(j, joint)| (joint.value(), bind(j))).collect())
+}
+
+/// Returns a node and the nodes above it up to below the first that is known, or up to the top; and the known one.
+///
+/// # Errors
+/// A node that is missing, or its own ancestor; `what` names the first.
+pub(super) fn ancestors(
+    source: &Source,
+    parents: &[Option<usize>],
+    node: usize,
+    what: impl Fn() -> String,
+    is_known: impl Fn(&usize) -> bool,
+) -> Result<(Vec<usize>, Option<usize>), SceneError> {
+    let mut chain = Vec::new();
+    let mut at = Some(node);
+    while let Some(node) = at.filter(|node| !is_known(node)) {
+        if chain.len() > parents.len() {
+            return Err(source.malformed(format!("{} is its own ancestor", what())));
+        }
+        chain.push(node);
+        let parent = parents.get(node);
+        at = *parent.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
+    }
+    Ok((chain, at))
 }
 
 /// Parent of every node, in any scene.

@@ -7,7 +7,7 @@ use super::mesh::{self, MeshPart};
 use super::node::{self, PlacedNode};
 use super::notes::Told;
 use super::place::origins;
-use super::rest::{Rest, joints, parents};
+use super::rest::{Rest, ancestors, joints, parents};
 use super::source::Source;
 use crate::scene::SceneError;
 use crate::scene::rig::world;
@@ -149,17 +149,9 @@ impl<'a> RigBuilder<'a> {
 
     /// Number of a node of the file; it and those above it are added if they are new.
     fn node(&mut self, index: usize) -> Result<u32, SceneError> {
-        let mut chain = Vec::new();
-        let mut at = Some(index);
-        while let Some(node) = at.filter(|node| !self.nodes.contains_key(node)) {
-            if chain.len() > self.parents.len() {
-                let name = node::name(self.source, index);
-                return Err(self.source.malformed(format!("{name} is its own ancestor")));
-            }
-            chain.push(node);
-            let parent = self.parents.get(node).copied();
-            at = parent.ok_or_else(|| self.source.malformed(format!("there is no node {node}")))?;
-        }
+        let what = || node::name(self.source, index);
+        let (chain, at) =
+            ancestors(self.source, &self.parents, index, what, |node| self.nodes.contains_key(node))?;
         let mut number = at.and_then(|node| self.nodes.get(&node)).copied().unwrap_or(0);
         for node in chain.into_iter().rev() {
             let transform = self.source.exact.nodes.get(node);
