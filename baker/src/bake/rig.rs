@@ -36,16 +36,11 @@ struct RigTriangle {
 /// Returns the points on triangles that deform. A point is on the nearest triangle of its group, rather on one that faces its
 /// side; where it is on the back, the corners are in the other order.
 fn riding(scene: &Scene, points: &Points) -> Vec<RigPoint> {
-    let mut number = vec![UNUSED; scene.positions.len()];
-    for (i, vertex) in (0..).zip(&scene.rig.vertices) {
-        number[vertex.vertex as usize] = i;
-    }
+    let numbers = scene.rig.numbers(scene.positions.len());
     let (mut triangles, mut places) = (Vec::new(), Vec::new());
     for (triangle, material) in scene.triangles.iter().zip(&scene.triangle_material) {
-        let corners = triangle.map(|i| number[i as usize]);
-        if corners.contains(&UNUSED) {
-            continue;
-        }
+        let [Some(a), Some(b), Some(c)] = triangle.map(|i| numbers[i as usize]) else { continue };
+        let corners = [a, b, c];
         let [a, b, c] = triangle.map(|i| scene.positions[i as usize].as_dvec3());
         let normal = (b - a).cross(c - a).normalize_or_zero();
         triangles.push(RigTriangle { corners, normal, group: scene.groups.of_material(*material) });

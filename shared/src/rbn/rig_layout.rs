@@ -174,6 +174,15 @@ impl Rig {
     pub fn is_empty(&self) -> bool {
         self.layout.meshes.is_empty()
     }
+
+    /// By index in section `VERT`, of `count` vertices: the index in [`Self::vertices`]; `None` for a vertex that does not deform.
+    pub fn numbers(&self, count: usize) -> Vec<Option<u32>> {
+        let mut numbers = vec![None; count];
+        for (number, vertex) in (0..).zip(&self.vertices) {
+            numbers[vertex.vertex as usize] = Some(number);
+        }
+        numbers
+    }
 }
 
 impl RigLayout {

@@ -4,7 +4,7 @@
 use crate::geometry::nearest::TriangleTree;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::octahedral::pack_rounded;
+use rebounce_shared::octahedral::{pack_rounded, unpack_snorm16};
 use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rig::pose::Pose;
 use rebounce_shared::rig::skin::{put, ridden, skinned};
@@ -47,20 +47,18 @@ impl PosedScene {
             let point = &mut points[rider.point as usize];
             (point.position, point.normal) = (on.position.to_array(), pack_rounded(on.normal));
         }
-        let mut number = vec![None; file.vertices.len()];
-        for (vertex, skinned) in rig.vertices.iter().zip(&at) {
-            number[vertex.vertex as usize] = Some(*skinned);
-        }
+        let numbers = rig.numbers(file.vertices.len());
         let (mut places, mut triangles) = (Vec::new(), Vec::new());
         for draw in &file.meta.draws {
             let group = file.groups.of_material(draw.material);
             let first = draw.first_index as usize;
             for corners in file.indices[first..first + draw.index_count as usize].as_chunks::<3>().0 {
-                let [Some(a), Some(b), Some(c)] = corners.map(|i| number[i as usize]) else { continue };
+                let [Some(a), Some(b), Some(c)] = corners.map(|i| numbers[i as usize]) else { continue };
+                let [a, b, c] = [a, b, c].map(|number| at[number as usize]);
                 places.push([a, b, c].map(|corner| corner.position.as_dvec3()));
                 let rest = corners.map(|i| {
                     let vertex = &file.vertices[i as usize];
-                    [Vec3::from(vertex.position), rebounce_shared::octahedral::unpack_snorm16(vertex.normal)]
+                    [Vec3::from(vertex.position), unpack_snorm16(vertex.normal)]
                 });
                 triangles.push(PosedTriangle { group, normals: [a, b, c].map(|corner| corner.normal), rest });
             }

@@ -143,12 +143,11 @@ impl BakedScene {
         if self.rig.is_empty() || self.copies.is_empty() {
             return Ok(());
         }
-        let mut deforms = vec![false; self.vertices.len()];
-        self.rig.vertices.iter().for_each(|vertex| deforms[vertex.vertex as usize] = true);
+        let numbers = self.rig.numbers(self.vertices.len());
         for (i, draw) in self.meta.draws.iter().enumerate().filter(|(i, _)| !self.copies_of(*i).is_empty()) {
             let first = draw.first_index as usize;
             let corners = &self.indices[first..first + draw.index_count as usize];
-            if corners.iter().any(|corner| deforms[*corner as usize]) {
+            if corners.iter().any(|corner| numbers[*corner as usize].is_some()) {
                 return Err(RbnError::invalid("RIGV", format!("draw call {i} has copies of what deforms")));
             }
         }

@@ -192,11 +192,10 @@ impl GpuRig {
 
 /// Draw calls with a triangle that deforms.
 fn runs(scene: &BakedScene, upload: &Upload) -> Vec<DrawBatch> {
-    let mut deforms = vec![false; scene.vertices.len()];
-    scene.rig.vertices.iter().for_each(|vertex| deforms[vertex.vertex as usize] = true);
+    let numbers = scene.rig.numbers(scene.vertices.len());
     let has_one = |run: &&DrawBatch| {
         let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
-        indices.iter().any(|index| deforms[*index as usize])
+        indices.iter().any(|index| numbers[*index as usize].is_some())
     };
     upload.runs.iter().filter(has_one).cloned().collect()
 }
