@@ -233,6 +233,27 @@ pub fn compute(
     })
 }
 
+/// A compute pipeline with the layout of its bind group.
+#[cfg(feature = "radiosity")]
+pub type Kernel = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
+
+/// A [`Kernel`] with a uniform, then storage buffers that are read, then those that are written.
+#[cfg(feature = "radiosity")]
+pub fn kernel(
+    gpu: &Gpu,
+    entry: &str,
+    source: Source,
+    (uniform, reads, writes): (Slot, usize, usize),
+    constants: &[(&str, f64)],
+) -> Kernel {
+    let mut slots = vec![uniform];
+    slots.extend(std::iter::repeat_n(Slot::Read, reads));
+    slots.extend(std::iter::repeat_n(Slot::Write, writes));
+    let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
+    let pipeline = compute(gpu, entry, source, &[&layout], constants);
+    (layout, pipeline)
+}
+
 /// Threads of a workgroup in one-dimensional shaders.
 pub const WORKGROUP: u32 = 64;
 /// Maximum number of workgroups in one dimension of a dispatch that WebGPU guarantees.

@@ -3,7 +3,7 @@
 use super::cube_maps::CubeMapKernels;
 use super::upload::Upload;
 use crate::error::ViewerError;
-use crate::gpu::bindings::{Slot, WORKGROUP, buffer, compute, empty_buffer, grid, group, layout, part};
+use crate::gpu::bindings::{Kernel, Slot, WORKGROUP, buffer, empty_buffer, grid, group, kernel, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use crate::shaders;
@@ -14,7 +14,7 @@ use rebounce_shared::harmonics::{COUNT, Coefficients};
 use rebounce_shared::rbn::gloss::GlossLayout;
 use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
-use wgpu::{BufferUsages, ShaderStages};
+use wgpu::BufferUsages;
 
 /// `GlossPass` in gloss_pass.wgsl.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -37,9 +37,9 @@ const NOWHERE: u32 = u32::MAX;
 
 /// The kernels, independent of a scene.
 pub struct GlossKernels {
-    vectors: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    arrive: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    links: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    vectors: Kernel,
+    arrive: Kernel,
+    links: Kernel,
     /// Cube maps; made for the first scene with them.
     pub cube_maps: OnceCell<CubeMapKernels>,
 }
@@ -58,13 +58,9 @@ enum GlossKernel {
 impl GlossKernels {
     /// Creates the pipelines.
     pub fn new(gpu: &Gpu) -> Self {
+        let uniform = Slot::UniformPart(size_of::<GlossUniform>() as u64);
         let made = |entry: &str, source: shaders::Source, reads: usize| {
-            let mut slots = vec![Slot::UniformPart(size_of::<GlossUniform>() as u64)];
-            slots.extend(std::iter::repeat_n(Slot::Read, reads));
-            slots.push(Slot::Write);
-            let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
-            let pipeline = compute(gpu, entry, source, &[&layout], &[]);
-            (layout, pipeline)
+            kernel(gpu, entry, source, (uniform, reads, 1), &[])
         };
         Self {
             vectors: made("light_vectors", shaders::LIGHT_VECTORS, 3),

@@ -68,7 +68,7 @@ pub struct Upload {
     /// By reconstruction group, the matrix from where it is to where the file has it: at_rest.wgsl.
     #[cfg(feature = "radiosity")]
     pub rest: wgpu::Buffer,
-    /// A texel that says that nothing deforms: rest_pixel.wgsl.
+    /// Zero texel for scenes without a rig: rest_pixel.wgsl.
     #[cfg(feature = "radiosity")]
     pub no_rest: wgpu::TextureView,
     /// Offsets of the push rows.

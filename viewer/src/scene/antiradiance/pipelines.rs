@@ -2,29 +2,24 @@
 
 use super::BinsUniform;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Slot, compute, layout};
+use crate::gpu::bindings::{Kernel, Slot, kernel};
 use crate::shaders::{self, Source};
-use wgpu::ShaderStages;
 
 /// The pipelines, with the layouts of their bind groups.
 pub struct AntiradiancePipelines {
-    pub(super) gather: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) sweep: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) measure: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) reflect: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) leave: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) gather: Kernel,
+    pub(super) sweep: Kernel,
+    pub(super) measure: Kernel,
+    pub(super) reflect: Kernel,
+    pub(super) leave: Kernel,
 }
 
 impl AntiradiancePipelines {
     /// Creates the pipelines.
     pub fn new(gpu: &Gpu) -> Self {
+        let uniform = Slot::UniformPart(size_of::<BinsUniform>() as u64);
         let made = |entry: &str, source: Source, reads: usize, writes: usize| {
-            let mut slots = vec![Slot::UniformPart(size_of::<BinsUniform>() as u64)];
-            slots.extend(std::iter::repeat_n(Slot::Read, reads));
-            slots.extend(std::iter::repeat_n(Slot::Write, writes));
-            let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
-            let pipeline = compute(gpu, entry, source, &[&layout], &[]);
-            (layout, pipeline)
+            kernel(gpu, entry, source, (uniform, reads, writes), &[])
         };
         Self {
             gather: made("gather_bins", shaders::GATHER_BINS, 5, 1),

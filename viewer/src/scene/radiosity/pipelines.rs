@@ -2,9 +2,8 @@
 
 use super::PassUniform;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Slot, compute, layout};
+use crate::gpu::bindings::{Kernel, Slot, kernel};
 use crate::shaders::{self, Source};
-use wgpu::ShaderStages;
 
 /// Threads that share a receiver on a GPU.
 const LANES: u32 = 64;
@@ -14,11 +13,11 @@ const SOFTWARE_LANES: u32 = 16;
 
 /// The pipelines, with the layouts of their bind groups.
 pub struct RadiosityPipelines {
-    pub(super) gather: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) pull_down: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) mean: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) send: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pub(super) show: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) gather: Kernel,
+    pub(super) pull_down: Kernel,
+    pub(super) mean: Kernel,
+    pub(super) send: Kernel,
+    pub(super) show: Kernel,
     /// Receivers of a workgroup.
     pub(super) receivers_of_group: u32,
 }
@@ -31,13 +30,9 @@ impl RadiosityPipelines {
 
     /// As [`Self::new`], with so many threads a receiver: a power of two up to 64.
     pub fn with_lanes(gpu: &Gpu, lanes: u32) -> Self {
+        let uniform = Slot::UniformPart(size_of::<PassUniform>() as u64);
         let made = |entry: &str, source: Source, reads: usize, writes: usize, constants: &[(&str, f64)]| {
-            let mut slots = vec![Slot::UniformPart(size_of::<PassUniform>() as u64)];
-            slots.extend(std::iter::repeat_n(Slot::Read, reads));
-            slots.extend(std::iter::repeat_n(Slot::Write, writes));
-            let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
-            let pipeline = compute(gpu, entry, source, &[&layout], constants);
-            (layout, pipeline)
+            kernel(gpu, entry, source, (uniform, reads, writes), constants)
         };
         Self {
             gather: made("gather_light", shaders::GATHER_LIGHT, 7, 1, &[("LANES", f64::from(lanes))]),
