@@ -4,6 +4,7 @@ import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { agreement, exec } from "../agreement.mjs";
 import { within } from "../browser.mjs";
+import { binary } from "../gltf.mjs";
 import { check, equal, near, same } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
@@ -26,17 +27,7 @@ function box([x, y, z], inward) {
 
 /** A closed room with a block on its floor, whose keyframes shift and turn it: a .gltf of its own. */
 export function roomWithBlock() {
-  const parts = [];
-  const views = [];
-  const accessors = [];
-  const add = (data, type, more = {}) => {
-    const bytes = Buffer.from(data.buffer);
-    views.push({ buffer: 0, byteOffset: Buffer.concat(parts).length, byteLength: bytes.length });
-    parts.push(bytes);
-    const width = { SCALAR: 1, VEC3: 3, VEC4: 4 }[type];
-    accessors.push({ bufferView: views.length - 1, componentType: data instanceof Uint32Array ? 5125 : 5126, count: data.length / width, type, ...more });
-    return accessors.length - 1;
-  };
+  const { add, members } = binary();
   const meshes = [[[2, 1, 2], true], [BLOCK.half, false]].map(([half, inward], material) => {
     const { positions, indices } = box(half, inward);
     const range = { min: half.map((x) => -x), max: half };
@@ -45,7 +36,6 @@ export function roomWithBlock() {
   const times = add(new Float32Array([0, 2]), "SCALAR", { min: [0], max: [2] });
   const [shift, turn] = [add(new Float32Array([...BLOCK.at, BLOCK.at[0] + 1, ...BLOCK.at.slice(1)]), "VEC3"), add(new Float32Array([0, 0, 0, 1, 0, 1, 0, 0]), "VEC4")];
   const material = (color) => ({ pbrMetallicRoughness: { baseColorFactor: [...color, 1], metallicFactor: 0 } });
-  const buffer = Buffer.concat(parts);
   return JSON.stringify({
     asset: { version: "2.0" },
     scenes: [{ nodes: [0, 1] }],
@@ -53,9 +43,7 @@ export function roomWithBlock() {
     meshes,
     materials: [material([0.7, 0.7, 0.7]), material([0.8, 0.2, 0.1])],
     animations: [{ name: "slide", channels: [{ sampler: 0, target: { node: 1, path: "translation" } }, { sampler: 1, target: { node: 1, path: "rotation" } }], samplers: [{ input: times, output: shift }, { input: times, output: turn }] }],
-    accessors,
-    bufferViews: views,
-    buffers: [{ byteLength: buffer.length, uri: `data:application/octet-stream;base64,${buffer.toString("base64")}` }],
+    ...members(),
   });
 }
 

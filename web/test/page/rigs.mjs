@@ -5,6 +5,7 @@ import path from "node:path";
 import { serve } from "../../bench/pages.mjs";
 import { exec } from "../agreement.mjs";
 import { HANGS, within } from "../browser.mjs";
+import { binary } from "../gltf.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
@@ -19,18 +20,7 @@ const ROWS = 9;
 
 /** A strip that two joints bend, and a triangle with two morph targets, before a camera and a lamp: a .gltf of its own. */
 export function figure() {
-  const parts = [];
-  const views = [];
-  const accessors = [];
-  const add = (data, type, more = {}) => {
-    const bytes = Buffer.from(data.buffer, data.byteOffset, data.byteLength);
-    views.push({ buffer: 0, byteOffset: Buffer.concat(parts).length, byteLength: bytes.length });
-    parts.push(bytes);
-    const width = { SCALAR: 1, VEC3: 3, VEC4: 4, MAT4: 16 }[type];
-    const component = data instanceof Float32Array ? 5126 : data instanceof Uint32Array ? 5125 : 5123;
-    accessors.push({ bufferView: views.length - 1, componentType: component, count: data.length / width, type, ...more });
-    return accessors.length - 1;
-  };
+  const { add, members } = binary();
   const floats = (list, type, more) => add(new Float32Array(list), type, more);
   const rows = Array.from({ length: ROWS }, (_, row) => (2 * row) / (ROWS - 1));
   const both = (of) => rows.flatMap((y) => [...of(y, -0.2), ...of(y, 0.2)]);
@@ -67,7 +57,6 @@ export function figure() {
     channels: channels.map(([node, path], sampler) => ({ sampler, target: { node, path } })),
   });
   const still = [0, 0, 0];
-  const buffer = () => Buffer.concat(parts);
   const animations = [
     animation("bend", [
       [2, "rotation", keys, floats([...turn(0), ...turn(100), ...turn(-60)], "VEC4")],
@@ -97,9 +86,7 @@ export function figure() {
     animations,
     extensionsUsed: ["KHR_lights_punctual"],
     extensions: { KHR_lights_punctual: { lights: [{ type: "point", intensity: 100, color: [1, 1, 1] }] } },
-    accessors,
-    bufferViews: views,
-    buffers: [{ byteLength: buffer().length, uri: `data:application/octet-stream;base64,${buffer().toString("base64")}` }],
+    ...members(),
   });
 }
 
