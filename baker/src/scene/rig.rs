@@ -38,8 +38,8 @@ pub(super) fn placed(mut rig: Rig, places: &[u32], count: usize, origin: DVec3) 
     check(&rig, [count, 0]).is_ok().then_some(rig)
 }
 
-/// Gives the vertices of a rig other numbers: `now` has those of a vertex, none where it is gone, several where it has been
-/// divided. Vertices of a mesh are put in the order of their numbers. Meshes without vertices go, and points without corners.
+/// Renumbers the vertices of a rig: `now` maps an old number to none (a removed vertex), one, or several (a divided vertex). Vertices
+/// of a mesh are sorted by number. Meshes without vertices are removed, and points without corners.
 pub fn renumber<I: IntoIterator<Item = u32>>(rig: &mut Rig, now: impl Fn(u32) -> I) {
     let Rig { layout, vertices, deltas, points } = std::mem::take(rig);
     let RigLayout { nodes, meshes, mut animations, bounds } = layout;
