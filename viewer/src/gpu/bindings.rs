@@ -235,9 +235,9 @@ pub fn compute(
 
 /// A compute pipeline with the layout of its bind group.
 #[cfg(feature = "radiosity")]
-pub type Kernel = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
+pub type ComputeKernel = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
 
-/// A [`Kernel`] with a uniform, then storage buffers that are read, then those that are written.
+/// A [`ComputeKernel`] with a uniform, then storage buffers that are read, then those that are written.
 #[cfg(feature = "radiosity")]
 pub fn kernel(
     gpu: &Gpu,
@@ -245,7 +245,7 @@ pub fn kernel(
     source: Source,
     (uniform, reads, writes): (Slot, usize, usize),
     constants: &[(&str, f64)],
-) -> Kernel {
+) -> ComputeKernel {
     let mut slots = vec![uniform];
     slots.extend(std::iter::repeat_n(Slot::Read, reads));
     slots.extend(std::iter::repeat_n(Slot::Write, writes));

@@ -3,7 +3,7 @@
 use super::cube_maps::CubeMapKernels;
 use super::upload::Upload;
 use crate::error::ViewerError;
-use crate::gpu::bindings::{Kernel, Slot, WORKGROUP, buffer, empty_buffer, grid, group, kernel, part};
+use crate::gpu::bindings::{ComputeKernel, Slot, WORKGROUP, buffer, empty_buffer, grid, group, kernel, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use crate::shaders;
@@ -37,9 +37,9 @@ const NOWHERE: u32 = u32::MAX;
 
 /// The kernels, independent of a scene.
 pub struct GlossKernels {
-    vectors: Kernel,
-    arrive: Kernel,
-    links: Kernel,
+    vectors: ComputeKernel,
+    arrive: ComputeKernel,
+    links: ComputeKernel,
     /// Cube maps; made for the first scene with them.
     pub cube_maps: OnceCell<CubeMapKernels>,
 }

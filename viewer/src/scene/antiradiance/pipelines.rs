@@ -2,16 +2,16 @@
 
 use super::BinsUniform;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Kernel, Slot, kernel};
+use crate::gpu::bindings::{ComputeKernel, Slot, kernel};
 use crate::shaders::{self, Source};
 
 /// The pipelines, with the layouts of their bind groups.
 pub struct AntiradiancePipelines {
-    pub(super) gather: Kernel,
-    pub(super) sweep: Kernel,
-    pub(super) measure: Kernel,
-    pub(super) reflect: Kernel,
-    pub(super) leave: Kernel,
+    pub(super) gather: ComputeKernel,
+    pub(super) sweep: ComputeKernel,
+    pub(super) measure: ComputeKernel,
+    pub(super) reflect: ComputeKernel,
+    pub(super) leave: ComputeKernel,
 }
 
 impl AntiradiancePipelines {

@@ -2,7 +2,7 @@
 
 use super::PassUniform;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Kernel, Slot, kernel};
+use crate::gpu::bindings::{ComputeKernel, Slot, kernel};
 use crate::shaders::{self, Source};
 
 /// Threads that share a receiver on a GPU.
@@ -13,11 +13,11 @@ const SOFTWARE_LANES: u32 = 16;
 
 /// The pipelines, with the layouts of their bind groups.
 pub struct RadiosityPipelines {
-    pub(super) gather: Kernel,
-    pub(super) pull_down: Kernel,
-    pub(super) mean: Kernel,
-    pub(super) send: Kernel,
-    pub(super) show: Kernel,
+    pub(super) gather: ComputeKernel,
+    pub(super) pull_down: ComputeKernel,
+    pub(super) mean: ComputeKernel,
+    pub(super) send: ComputeKernel,
+    pub(super) show: ComputeKernel,
     /// Receivers of a workgroup.
     pub(super) receivers_of_group: u32,
 }

@@ -1,14 +1,14 @@
 //! Compute pipelines of rigs, independent of a scene.
 
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Kernel, Slot, kernel};
+use crate::gpu::bindings::{ComputeKernel, Slot, kernel};
 use crate::shaders::{self, Source};
 
 /// The pipelines, with the layouts of their bind groups.
 #[derive(Clone)]
 pub struct RigPipelines {
-    pub(super) skin: Kernel,
-    pub(super) ride: Kernel,
+    pub(super) skin: ComputeKernel,
+    pub(super) ride: ComputeKernel,
 }
 
 impl RigPipelines {
