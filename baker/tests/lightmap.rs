@@ -143,6 +143,7 @@ fn exported(file: &BakedScene, form: Form, is_unwrapped: bool) -> Export {
 }
 
 #[test]
+#[ignore = "takes much processor time: docs/dev/testing.md"]
 fn exports_take_the_charts_and_texels_of_the_file() {
     let scene = rebounce::io::load("builtin:teapot").unwrap();
     let (file, charts) = solved(&scene, WaveletSettings { convergence: 0.5, ..WaveletSettings::default() });

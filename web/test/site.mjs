@@ -4,7 +4,7 @@ import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import path from "node:path";
-import { HANGS, launch, spread, within } from "./browser.mjs";
+import { DEVICE_PIXELS, HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
 import { serveFolder } from "./serve.mjs";
 
@@ -39,7 +39,7 @@ export async function runSiteTests(harness, folder) {
 
 /** Opens a page of the site; what goes wrong in it is gathered. */
 async function open({ browser, address }, name, { prepare, ...options } = {}) {
-  const page = await browser.newPage({ viewport: { width: 480, height: 640 }, ...options });
+  const page = await browser.newPage({ viewport: { width: 480, height: 640 }, deviceScaleFactor: DEVICE_PIXELS, ...options });
   page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));

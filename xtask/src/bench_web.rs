@@ -54,7 +54,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let has_reference = reference.with_file_name(format!("{name}.indirect.a.exr")).exists();
 
     install::ensure(&install::BROWSER)?;
-    web::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
     web::packages("web/bench", "three.js")?;
     process::run(process::cargo().args([
         "build",

@@ -35,7 +35,7 @@ fn parse(args: &[String]) -> Result<Options> {
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     install::ensure(&install::BROWSER)?;
-    web::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
     let folder = process::target().join("damage");
     if let Some(copies) = options.scenes {
         return bake(&folder, copies, options.seed);
@@ -52,7 +52,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// Bakes damaged copies of scenes with the native program and as WebAssembly: both must come to the same.
 fn bake(folder: &Path, copies: u32, seed: u64) -> Result<()> {
-    npm::build(web::Bakers::Published)?;
+    npm::build(web::Purpose::Publish)?;
     process::run(process::cargo().args(["build", "--locked", "--package", "rebounce-cli"]))?;
     let rebounce = process::target().join("debug/rebounce");
     let numbers = [copies.to_string(), seed.to_string()];

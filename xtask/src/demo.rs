@@ -62,7 +62,7 @@ pub fn run(args: &[String]) -> Result<()> {
 /// # Errors
 /// If a build fails.
 pub fn build() -> Result<PathBuf> {
-    web::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
     process::run(process::cargo().args([
         "build",
         "--locked",

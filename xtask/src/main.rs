@@ -157,8 +157,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("plot-jacobian") => plot_jacobian::run(),
         Some("refine") => refine::run(&args[1..]),
         Some("install") => install::all(),
-        Some("web") => web::build(web::Bakers::Published),
-        Some("npm") => npm::build(web::Bakers::Published),
+        Some("web") => web::build(web::Purpose::Publish),
+        Some("npm") => npm::build(web::Purpose::Publish),
         Some("package") => package::run(),
         Some("site") => site::run(&args[1..]),
         Some("help" | "--help" | "-h") => {

@@ -40,12 +40,13 @@ struct Platform {
 ///
 /// # Errors
 /// If a tool is missing or fails.
-pub fn build(kind: web::Bakers) -> Result<()> {
+pub fn build(purpose: web::Purpose) -> Result<()> {
     install::ensure(&install::NODE)?;
     web::npm()?;
     let npm = process::root().join("baker/npm");
     let (pkg, dist) = (npm.join("pkg"), npm.join("dist"));
-    let wasm = web::baker_wasm(toolchain::find()?, kind.profile("npm"), &["--features", web::COMMAND_STEP])?;
+    let wasm =
+        web::baker_wasm(toolchain::find()?, purpose.profile("npm"), &["--features", web::COMMAND_STEP])?;
     bindgen::module(&wasm, web::BAKER, bindgen::FROM_MODULE, &pkg)?;
     let node = |args: &[&Path]| process::run(Command::new("node").args(args).current_dir(&npm));
     node(&[Path::new("generate.mjs"), &pkg, &npm.join("src/options.ts")])?;

@@ -30,8 +30,8 @@ pub struct Tarballs {
 /// # Errors
 /// If a tool is missing or fails.
 pub fn run() -> Result<()> {
-    web::build(web::Bakers::Published)?;
-    npm::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
+    npm::build(web::Purpose::Publish)?;
     let mut cargo = process::cargo();
     cargo.args(["build", "--locked", "--release", "--package", "rebounce-cli"]);
     // Half of the program is names of lines, which only its authors need.

@@ -26,7 +26,7 @@ fn parse(args: &[String]) -> Result<u32> {
 pub fn run(args: &[String]) -> Result<()> {
     let minutes = parse(args)?;
     install::ensure(&install::BROWSER)?;
-    web::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
     let folder = process::target().join("soak");
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let bake = ["run", "--package", "rebounce-cli", "--", "bake", "builtin:cornell-box", "--preset", "draft"];

@@ -16,7 +16,7 @@ const PARTS: [&str; 8] = ["check", "native", "wasm", "page", "package", "site", 
 const MPI: &str = "rebounce-cli/mpi";
 
 /// Runs every test, or one part, or the tests of one name in the parts `native` and `page`; with `--long` those, too, that take
-/// minutes of processor time, as those of a name do. A failed part does not stop later parts; the test of the installed command
+/// minutes of processor time, as those of a name do, and the checks that compile the sources. A failed part does not stop later parts; the test of the installed command
 /// recompiles everything and runs only by name.
 ///
 /// # Errors
@@ -38,8 +38,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("mpi") {
         return over_mpi();
     }
-    // As they are published, the bakers are compiled for minutes.
-    let bakers = if part.is_none() && !long { web::Bakers::Quick } else { web::Bakers::Published };
+    let purpose = if part.is_none() && !long { web::Purpose::Test } else { web::Purpose::Publish };
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
@@ -51,9 +50,10 @@ pub fn run(args: &[String]) -> Result<()> {
     }
     let checked = std::thread::scope(|scope| {
         // Beside the page, which links with one core for minutes.
-        let checked = part.is_none().then(|| scope.spawn(gate::run));
+        let checks = if long { gate::run } else { gate::text };
+        let checked = part.is_none().then(|| scope.spawn(checks));
         // The page comes first: the tests build the binary with the embedded page.
-        let built = if in_page { web::build(bakers) } else { Ok(()) };
+        let built = if in_page { web::build(purpose) } else { Ok(()) };
         let checked = checked.map(|checked| checked.join().unwrap_or_else(|panic| resume_unwind(panic)));
         built.map(|()| checked.unwrap_or(Ok(())))
     })?;
@@ -75,11 +75,15 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("native") {
         return native;
     }
-    let wasm = if wanted("wasm") { toolchain::find().and_then(wasm_tests) } else { Ok(Vec::new()) };
+    let wasm = if wanted("wasm") {
+        toolchain::find().and_then(|toolchain| wasm_tests(toolchain, purpose))
+    } else {
+        Ok(Vec::new())
+    };
     if let Err(error) = &wasm {
         println!("{error:#}");
     }
-    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, bakers, (name, long));
+    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, purpose, (name, long));
     if let Err(error) = &browser {
         println!("{error:#}");
     }
@@ -117,7 +121,7 @@ fn over_mpi() -> Result<()> {
 fn browser(
     wasm: &[PathBuf],
     wanted: impl Fn(&'static str) -> bool,
-    bakers: web::Bakers,
+    purpose: web::Purpose,
     (name, long): (Option<&str>, bool),
 ) -> Result<()> {
     let work = process::target().join("browser-tests");
@@ -142,7 +146,7 @@ fn browser(
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
-        npm::build(bakers)?;
+        npm::build(purpose)?;
         let Tarballs { viewer, command, native } = package::pack(&bin("rebounce"))?;
         node.arg("--package").arg(&work).arg(bin("rebounce")).args([viewer, command]);
         node.arg(native.unwrap_or_else(|| "none".into()));
@@ -155,14 +159,14 @@ fn browser(
     process::run(&mut node)
 }
 
-/// Compiles the viewer's wasm tests with the profile of the bundle, to reuse its dependencies; returns the paths of
-/// the programs.
-fn wasm_tests(toolchain: Toolchain) -> Result<Vec<PathBuf>> {
+/// Compiles the viewer's wasm tests with the profile and the flags of the bundle, to reuse its dependencies; returns the
+/// paths of the programs.
+fn wasm_tests(toolchain: Toolchain, purpose: web::Purpose) -> Result<Vec<PathBuf>> {
     let mut command = toolchain.cargo("test");
-    command.args(["--package", "rebounce-viewer", "--test", "web", "--profile", "web", "--no-run"]);
+    let profile = purpose.profile(web::RENDERER_PROFILE);
+    command.args(["--package", "rebounce-viewer", "--test", "web", "--profile", profile, "--no-run"]);
     command.arg("--message-format=json-render-diagnostics");
-    // Same flags as the bundle: different flags would recompile the dependencies.
-    web::lean(&mut command);
+    web::renderer_flags(&mut command, purpose);
     println!("> {}", process::line(&command));
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output().context("cargo")?;
     if !output.status.success() {

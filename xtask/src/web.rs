@@ -25,6 +25,12 @@ pub const BAKER_STEP: &str = "rebounce_baker_step";
 pub const COMMAND_STEP: &str = "command,step";
 /// As [`NAME`], of bounced light for three.js.
 const THREE: &str = "rebounce_three";
+/// Cargo's profile of the renderer as it is published.
+pub const RENDERER_PROFILE: &str = "web";
+/// Panic locations and `{:?}` output are left out of the renderer: a tenth of a bundle, never visible on a page.
+const RENDERER_FLAGS: &str = "-Zlocation-detail=none -Zfmt-debug=none";
+/// Every browser with WebGPU has the instructions for four lanes, and so has Node.js.
+const BAKER_FLAGS: &str = "-Ctarget-feature=+simd128 -Zlocation-detail=none";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
 const FETCHES: [(&str, &str); 5] = [
     ("engine/module.js", NAME),
@@ -36,39 +42,47 @@ const FETCHES: [(&str, &str); 5] = [
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
-/// How the baker is compiled to WebAssembly.
+/// What the modules of WebAssembly are compiled for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Bakers {
-    /// As they are published: link-time optimisation takes minutes for each of them.
-    Published,
+pub enum Purpose {
+    /// To be published: link-time optimisation takes minutes for each of them.
+    Publish,
     /// For a run of all tests: they share compiled crates, and are too large to be published.
-    Quick,
+    Test,
 }
 
-impl Bakers {
+impl Purpose {
     /// The profile, where `published` is that of what is published.
     pub fn profile(self, published: &'static str) -> &'static str {
         match self {
-            Self::Published => published,
-            Self::Quick => "wasm-test",
+            Self::Publish => published,
+            Self::Test => "wasm-test",
+        }
+    }
+
+    /// The compiler's flags, where `published` are those of what is published.
+    fn flags(self, published: &'static str) -> &'static str {
+        match self {
+            Self::Publish => published,
+            Self::Test => BAKER_FLAGS,
         }
     }
 }
 
 /// Builds web/dist: the site, and the contents of the npm package. The command serves a copy of what browsers ask for,
-/// baker/cli/viewer. The limits on sizes hold for bakers that are published.
+/// baker/cli/viewer. The limits on sizes hold for what is published.
 ///
 /// # Errors
 /// If a tool is missing or fails, or the bundle is over its limit.
-pub fn build(kind: Bakers) -> Result<()> {
+pub fn build(purpose: Purpose) -> Result<()> {
     install::ensure(&install::NODE)?;
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
     // Each has a profile of its own, and links with one core.
     std::thread::scope(|scope| {
-        let bakers = scope.spawn(|| bakers(toolchain, kind, &pkg));
-        let renderers = renderers(toolchain, &pkg);
+        let bakers = scope.spawn(|| bakers(toolchain, purpose, &pkg));
+        let renderers = renderers(toolchain, purpose, &pkg);
         renderers.and(bakers.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     })?;
     let files = assemble(&pkg)?;
@@ -78,45 +92,54 @@ pub fn build(kind: Bakers) -> Result<()> {
     let served = files.iter().filter(|(name, _)| is_served(name));
     let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
-    bundle_size::check(&files, kind)?;
+    bundle_size::check(&files, purpose)?;
     println!("built {}", dist.display());
     Ok(())
 }
 
 /// Builds the modules of the renderer.
-fn renderers(toolchain: Toolchain, pkg: &Path) -> Result<()> {
+fn renderers(toolchain: Toolchain, purpose: Purpose, pkg: &Path) -> Result<()> {
     let element = |features| ["--no-default-features", "--features", features];
     for (package, library, name, options) in [
         ("rebounce-viewer", NAME, NAME, &element("element")[..]),
         ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity")),
         ("rebounce-three", THREE, THREE, &[]),
     ] {
-        bindgen::module(&wasm(toolchain, package, library, options)?, name, bindgen::FROM_RESPONSE, pkg)?;
-        shrink(&pkg.join(format!("{name}_bg.wasm")))?;
+        let wasm = renderer_wasm(toolchain, purpose, (package, library), options)?;
+        bindgen::module(&wasm, name, bindgen::FROM_RESPONSE, pkg)?;
+        if purpose == Purpose::Publish {
+            shrink(&pkg.join(format!("{name}_bg.wasm")))?;
+        }
     }
     Ok(())
 }
 
-/// Builds the modules of the baker. Quick ones are one program under two names, that of npm: other features would compile the baker
-/// again.
-fn bakers(toolchain: Toolchain, kind: Bakers, pkg: &Path) -> Result<()> {
+/// Builds the modules of the baker. For tests they are one program under two names, that of npm: other features would compile the
+/// baker again.
+fn bakers(toolchain: Toolchain, purpose: Purpose, pkg: &Path) -> Result<()> {
     for (name, options) in [(BAKER, &[][..]), (BAKER_STEP, &["--features", "step"])] {
-        let options = if kind == Bakers::Quick { &["--features", COMMAND_STEP] } else { options };
-        let wasm = baker_wasm(toolchain, kind.profile("web-baker"), options)?;
+        let options = if purpose == Purpose::Test { &["--features", COMMAND_STEP] } else { options };
+        let wasm = baker_wasm(toolchain, purpose.profile("web-baker"), options)?;
         bindgen::module(&wasm, name, bindgen::FROM_MODULE, pkg)?;
-        if kind == Bakers::Published {
+        if purpose == Purpose::Publish {
             optimise(&pkg.join(format!("{name}_bg.wasm")), &BAKER_PASSES)?;
         }
     }
     Ok(())
 }
 
-/// Compiles a package of the renderer; returns the path of the wasm file.
-fn wasm(toolchain: Toolchain, package: &str, name: &str, options: &[&str]) -> Result<PathBuf> {
+/// Compiles a package of the renderer, with the name of its library; returns the path of the wasm file.
+fn renderer_wasm(
+    toolchain: Toolchain,
+    purpose: Purpose,
+    (package, library): (&str, &str),
+    options: &[&str],
+) -> Result<PathBuf> {
+    let profile = purpose.profile(RENDERER_PROFILE);
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", package, "--lib", "--profile", "web"]).args(options);
-    process::run(lean(&mut cargo))?;
-    Ok(toolchain.target().join(toolchain::TARGET).join("web").join(name).with_extension("wasm"))
+    cargo.args(["--package", package, "--lib", "--profile", profile]).args(options);
+    process::run(renderer_flags(&mut cargo, purpose))?;
+    Ok(toolchain.target().join(toolchain::TARGET).join(profile).join(library).with_extension("wasm"))
 }
 
 /// Compiles the baker with a profile and options; returns the path of the wasm file.
@@ -126,13 +149,7 @@ fn wasm(toolchain: Toolchain, package: &str, name: &str, options: &[&str]) -> Re
 pub fn baker_wasm(toolchain: Toolchain, profile: &str, options: &[&str]) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
     cargo.args(["--package", "rebounce-bake-wasm", "--lib", "--profile", profile]).args(options);
-    cargo.env("RUSTC_BOOTSTRAP", "1");
-    // Every browser with WebGPU has the instructions for four lanes, and so has Node.js.
-    cargo.env(
-        "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
-        "-Ctarget-feature=+simd128 -Zlocation-detail=none",
-    );
-    process::run(&mut cargo)?;
+    process::run(with_flags(&mut cargo, BAKER_FLAGS))?;
     Ok(toolchain.target().join(toolchain::TARGET).join(profile).join("rebounce_bake_wasm.wasm"))
 }
 
@@ -207,10 +224,13 @@ fn optimise(wasm: &Path, passes: &[&str]) -> Result<()> {
     process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
 }
 
-/// Removes panic locations and `{:?}` output from the build: a tenth of a bundle, never visible on a page.
-pub fn lean(cargo: &mut Command) -> &mut Command {
-    cargo.env("RUSTC_BOOTSTRAP", "1");
-    cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-Zlocation-detail=none -Zfmt-debug=none")
+/// Gives Cargo the flags of the renderer: other flags compile its dependencies again.
+pub fn renderer_flags(cargo: &mut Command, purpose: Purpose) -> &mut Command {
+    with_flags(cargo, purpose.flags(RENDERER_FLAGS))
+}
+
+fn with_flags<'a>(cargo: &'a mut Command, flags: &str) -> &'a mut Command {
+    cargo.env("RUSTC_BOOTSTRAP", "1").env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags)
 }
 
 /// Installs the packages of web/package-lock.json unless up to date.

@@ -320,6 +320,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes much processor time: docs/dev/testing.md"]
     fn more_functions_are_nearer_to_the_truth_and_a_turned_off_wall_is_blamed() {
         let scene = crate::io::load("builtin:cornell-box").unwrap();
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());

@@ -150,7 +150,7 @@ export async function bakeElement(harness, context) {
       await page.close();
     }, "method open");
 
-    await harness.test("bake-element::cancel_keeps_the_preview_and_ends_the_workers", async () => {
+    await harness.long("bake-element::cancel_keeps_the_preview_and_ends_the_workers", async () => {
       const { page } = await opened(context, server.address);
       await page.evaluate(countWorkers);
       await page.evaluate(() => {

@@ -79,7 +79,8 @@ export async function bakeInPage(harness, context) {
   try {
     const page = await opened(context.browser, served.address);
     for (const workers of [1, 2, 3]) {
-      await harness.test(`bake-in-page::${workers}_workers_make_the_bytes_of_the_command`, async () => {
+      const kind = workers === 3 ? "long" : "test";
+      await harness[kind](`bake-in-page::${workers}_workers_make_the_bytes_of_the_command`, async () => {
         const options = { ...SMALL, seed: workers };
         const expected = await commandBake(context, file, options);
         check((await inPage(page, file, { ...options, workers })).equals(expected), "other bytes in the page");
@@ -114,7 +115,7 @@ export async function bakeInPage(harness, context) {
       }
     });
 
-    await harness.test("bake-in-page::progress_rises_and_previews_come_first", async () => {
+    await harness.long("bake-in-page::progress_rises_and_previews_come_first", async () => {
       const told = await page.evaluate(
         async ([scene, options]) => {
           const progress = [];

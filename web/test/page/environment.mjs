@@ -196,7 +196,7 @@ export async function environment(harness, context) {
   equal(faults.filter((fault) => !fault.startsWith("Failed to load")).join("\n"), "", "faults");
   await page.close();
 
-  await harness.test("environment::surfaces_that_shine_are_dimmed_and_switched_off", async () => {
+  await harness.long("environment::surfaces_that_shine_are_dimmed_and_switched_off", async () => {
     const [gltf, baked] = ["panel.gltf", "panel.rbn"].map((name) => path.join(context.work, name));
     await writeFile(gltf, panel());
     await exec(context.rebounce, ["bake", gltf, "--preset", "draft", "-o", baked]);

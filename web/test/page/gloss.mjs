@@ -77,7 +77,7 @@ export async function gloss(harness, context) {
     await page.close();
   });
 
-  await harness.test("gloss::an_object_for_an_environment_is_lit_as_by_its_operator", async () => {
+  await harness.long("gloss::an_object_for_an_environment_is_lit_as_by_its_operator", async () => {
     const object = await shown("object", ["--for", "environment"]);
     const linked = await shown("matrices", ["--gloss-transfer", "matrices"]);
     for (const degrees of [0, 120]) {

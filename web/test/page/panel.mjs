@@ -90,7 +90,7 @@ export async function panel(harness, context) {
     equal(await focused(), "Add lamp", "the focus after the last one is gone");
   });
 
-  await harness.test("panel::sixteen_lights_are_listed", async () => {
+  await harness.long("panel::sixteen_lights_are_listed", async () => {
     for (let i = 0; i < 16; i += 1) await page.getByRole("button", { name: "Add lamp" }).click();
     equal((await state()).length, 16, "lights");
     equal(await entry(16).getAttribute("aria-expanded"), "true", "whether the last one is chosen");

@@ -196,7 +196,7 @@ export async function pictures(harness, shared) {
     }
     await page.close();
   });
-  await harness.test("pictures::copies_of_a_mesh_stand_where_each_of_them_does", async () => {
+  await harness.long("pictures::copies_of_a_mesh_stand_where_each_of_them_does", async () => {
     const [gltf, baked] = ["tiles.gltf", "tiles.rbn"].map((name) => path.join(context.work, name));
     await writeFile(gltf, tiles());
     await exec(context.rebounce, ["bake", gltf, ...QUICK, "-o", baked]);

@@ -40,7 +40,7 @@ export async function counted(context, html, options = {}) {
 const NOTHING = { alive: 0, bytes: 0 };
 
 export async function sharing(harness, context) {
-  await harness.test("page::sharing::ten_elements_draw_the_same_picture_with_one_device", async () => {
+  await harness.long("page::sharing::ten_elements_draw_the_same_picture_with_one_device", async () => {
     const { page, faults } = await counted(context, "<rebounce-viewer></rebounce-viewer>".repeat(10), {
       viewport: { width: 400, height: 640 },
       // Every element begins on a whole device pixel.

@@ -33,8 +33,8 @@ export async function three(harness, context) {
     glow: await baked(context, "glow", glowing),
     court: await baked(context, "court", court),
   };
-  const test = (name, work) =>
-    harness.test(`three::${name}`, async () => {
+  const inPage = (kind) => (name, work) =>
+    harness[kind](`three::${name}`, async () => {
       const { page, errors } = await opened(context.browser, server.address);
       try {
         await work(page);
@@ -43,6 +43,8 @@ export async function three(harness, context) {
         await page.close();
       }
     });
+  const test = inPage("test");
+  const long = inPage("long");
   try {
     await test("pixels_get_the_light_that_the_element_shows_for_three_places_of_the_lamp", async (page) => {
       const errors = await page.evaluate(async ({ glb, rbn, size }) => {
@@ -112,7 +114,7 @@ export async function three(harness, context) {
       check(count > 500 && error < 0.1, `relative error ${error} over ${count} pixels`);
     });
 
-    await test("a_wall_of_5_cm_keeps_light_from_what_is_behind_it", async (page) => {
+    await long("a_wall_of_5_cm_keeps_light_from_what_is_behind_it", async (page) => {
       const mean = async (view) => meanOf(await page.evaluate((files) => stage.ball(files), { ...files.two, ...view }));
       const [dark, lit] = [await mean(VIEWS.dark), await mean(VIEWS.lit)];
       console.log(`  ${(dark / lit).toExponential(1)}`);
@@ -120,7 +122,7 @@ export async function three(harness, context) {
       check(dark < 0.005 * lit, `${dark} behind the wall, ${lit} before it`);
     });
 
-    await test("what_has_moved_is_said_once_and_lit_by_probes", async (page) => {
+    await long("what_has_moved_is_said_once_and_lit_by_probes", async (page) => {
       const { warnings, before, after } = await page.evaluate(async ({ glb, rbn }) => {
         const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance, warnings } = stage;
         const renderer = await rendererOf();
@@ -187,7 +189,7 @@ export async function three(harness, context) {
       for (const one of others) check(Math.abs(one / first - 1) < 0.05, `brightness ${found}`);
     });
 
-    await test("nothing_is_left_after_dispose_and_a_file_is_loaded_anew", async (page) => {
+    await long("nothing_is_left_after_dispose_and_a_file_is_loaded_anew", async (page) => {
       const { left, again, memory } = await page.evaluate(async ({ glb, rbn }) => {
         const { Rebounce, THREE, rendererOf, modelOf, bytesOf, ballAt } = stage;
         const renderer = await rendererOf();
@@ -262,7 +264,7 @@ export async function three(harness, context) {
       check(once > 0.5 && Math.abs(thrice / once - 3) < 1e-3 && none === 0, `irradiance ${means}`);
     });
 
-    await test("a_picture_of_three_is_the_sky_of_the_file", async (page) => {
+    await long("a_picture_of_three_is_the_sky_of_the_file", async (page) => {
       const { own, even, twice, half, upper, lower, back, refused } = await page.evaluate(async ({ glb, rbn }) => {
         const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance } = stage;
         const renderer = await rendererOf();
@@ -384,7 +386,7 @@ export async function three(harness, context) {
       check(before > 0.1 && Math.abs(after / before - 1) < 1e-3, `${before} before, ${after} after`);
     });
 
-    await test("textures_of_ktx2_and_effects_of_three_work_on_our_device", async (page) => {
+    await long("textures_of_ktx2_and_effects_of_three_work_on_our_device", async (page) => {
       const { colour, format, before, after } = await page.evaluate(async ({ glb, rbn, ktx2 }) => {
         const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, tsl } = stage;
         const [{ KTX2Loader }, { bloom }, { ao }] = await Promise.all([
@@ -432,7 +434,7 @@ export async function three(harness, context) {
     });
 
     for (const webgl of ["node", "classic"]) {
-      await test(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
+      await (webgl === "classic" ? test : long)(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
         const { lit, dark } = await page.evaluate(async ({ glb, rbn, webgl, at }) => {
           const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, ballAt } = stage;
           const renderer = await rendererOf({ webgl });

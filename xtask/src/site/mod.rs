@@ -116,7 +116,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     // The browser measures frame times.
     install::ensure(&install::BROWSER)?;
-    web::build(web::Bakers::Published)?;
+    web::build(web::Purpose::Publish)?;
     let program = ["build", "--locked", "--release", "--package", "rebounce-cli", "--bin", "rebounce"];
     process::run(process::cargo().args(program))?;
     let out = process::target().join("site");
