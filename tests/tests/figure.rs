@@ -90,7 +90,7 @@ fn the_viewers_picture_of_a_pose_is_the_cpus() {
     renderer.set_detail(false);
     let animation = &file.rig.layout.animations[0];
     let mut off = [None, Some(time)].map(|time| {
-        renderer.pose(time.map(|_| 0), time.unwrap_or_default()).unwrap();
+        renderer.pose(time.map(|_| 0), time.unwrap_or_default().into()).unwrap();
         let ours = [common::indirect(&mut renderer, SIZE), common::radiance(&mut renderer, SIZE)];
         let pose = time.map_or_else(|| Pose::rest(&file.rig), |time| Pose::of(&file.rig, animation, time));
         let posed = Arc::new(PosedScene::new(&file, &pose));

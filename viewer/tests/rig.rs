@@ -198,7 +198,7 @@ fn a_pose_is_drawn_and_lit_as_a_file_with_posed_vertices() {
     let mut ours = renderer(&gpu, &scene);
     let [_, rest] = pictures(&mut ours);
     for time in [0.3, 0.75, 2.0] {
-        ours.pose(Some(0), time).unwrap();
+        ours.pose(Some(0), f64::from(time)).unwrap();
         let [_, all] = pictures(&mut ours);
         // Direct light alone: bounced light of a bent wall is that of its points at rest.
         let direct = |renderer: &mut Renderer| {
@@ -247,5 +247,5 @@ fn at_rest_again_everything_is_as_it_was() {
     let after = pictures(&mut ours);
     assert!(before.iter().zip(&after).all(|(a, b)| apart(a, b) < CLOSE), "at rest again");
     assert_eq!(ours.pose(Some(2), 0.0).unwrap_err().code(), "bad-argument");
-    assert_eq!(ours.pose(Some(0), f32::NAN).unwrap_err().code(), "bad-argument");
+    assert_eq!(ours.pose(Some(0), f64::NAN).unwrap_err().code(), "bad-argument");
 }

@@ -15,11 +15,16 @@ impl Renderer {
         self.rig().map_or(&[], GpuRig::animations)
     }
 
+    /// Animation of the rig that it is posed by, and its time in seconds; `None` at rest.
+    pub fn posed(&self) -> Option<(usize, f64)> {
+        self.rig().and_then(GpuRig::moment)
+    }
+
     /// Poses what deforms as an animation of the rig has it at a time, seconds; `None` for the pose at rest.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for an animation that the rig has not, or a time that is not finite.
-    pub fn pose(&mut self, animation: Option<usize>, time: f32) -> Result<(), ViewerError> {
+    pub fn pose(&mut self, animation: Option<usize>, time: f64) -> Result<(), ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         let count = self.rig_animations().len();
         if animation.is_some_and(|number| number >= count) || !time.is_finite() {

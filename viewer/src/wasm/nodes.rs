@@ -99,12 +99,25 @@ impl Viewer {
         })
     }
 
-    /// Poses what deforms as the file's animation of this name has it at a time, seconds; at rest where the file has none.
+    /// Names of the file's animations of what deforms, zero-terminated.
+    #[wasm_bindgen(js_name = poseNames)]
+    pub fn pose_names(&self) -> String {
+        self.state.borrow().renderer.rig_animations().iter().map(|own| format!("{}\0", own.name)).collect()
+    }
+
+    /// The animation whose pose it has, by its place in the list of names, and the time in seconds; nothing at rest.
+    pub fn pose(&self) -> Vec<f64> {
+        let posed = self.state.borrow().renderer.posed();
+        posed.map_or(Vec::new(), |(animation, time)| vec![animation as f64, time])
+    }
+
+    /// Poses what deforms as an animation of the list has it at a time, seconds; at rest where there is none of this place.
     #[wasm_bindgen(js_name = setPose)]
-    pub fn set_pose(&self, name: &str, time: f64) -> Result<(), JsValue> {
+    pub fn set_pose(&self, animation: i32, time: f64) -> Result<(), JsValue> {
         self.change(|state| {
-            let animation = state.renderer.rig_animations().iter().position(|own| own.name == name);
-            state.renderer.pose(animation, time as f32)
+            let count = state.renderer.rig_animations().len();
+            let animation = usize::try_from(animation).ok().filter(|number| *number < count);
+            state.renderer.pose(animation, time)
         })
     }
 

@@ -339,8 +339,8 @@ export class Engine {
   /** What is shown is to come back with the next file. */
   #keep(): void {
     const viewer = this.#viewer as Viewer;
-    const { camera, lights, mix = [], move } = shotIn(viewer);
-    this.pending = this.#kept = { camera, lights, mix, animations: this.player.animations, measured: viewer.measured, move };
+    const { camera, lights, mix = [] } = shotIn(viewer);
+    this.pending = this.#kept = { camera, lights, mix, animations: this.player.animations, measured: viewer.measured, moved: viewer.moving?.shot };
     this.#returning = true;
   }
 

@@ -18,17 +18,17 @@ export interface Pending {
   repetitions?: number;
   /** The exposure that the scene began with. */
   measured?: number;
-  /** Where nodes were. */
-  move?: Shot["move"] | undefined;
+  /** Where nodes were, and the pose. */
+  moved?: Pick<Shot, "move" | "animation" | "time"> | undefined;
 }
 
 /** Hands over camera, lights and exposure. Throws what the viewer refuses. */
-export function handOver(viewer: Viewer, { shot, camera, lights, mix, measured, move }: Pending): void {
+export function handOver(viewer: Viewer, { shot, camera, lights, mix, measured, moved }: Pending): void {
   if (shot) setShot(viewer, shot);
   if (camera) viewer.setCamera(cameraNumbers(camera));
   if (lights) setLights(viewer, lights);
   if (mix) setMix(viewer, mix);
-  if (move) viewer.moving?.move(move);
+  if (moved) viewer.moving?.move(moved);
   if (measured) viewer.measured = measured;
 }
 

@@ -4,10 +4,14 @@ import type { LightAnimation } from "../animation/animation.js";
 import type { AnimatedNodes } from "../animation/player.js";
 import type { RebounceEventMap } from "../element/events.js";
 import type { Viewer } from "../rebounce_radiosity.js";
-import type { NodeMove, Nodes } from "../wire/shot.js";
+import type { Nodes, Shot } from "../wire/shot.js";
 import { motionsOf, movesIn, nodesOf } from "./nodes.js";
+import { poseOf, posesIn } from "./poses.js";
 
-/** The part of a viewer that is about nodes. */
+/** What of a shot moves: nodes, and what deforms. */
+export type ShotMotion = Pick<Shot, "move" | "animation" | "time">;
+
+/** The part of a viewer that is about nodes, and about what deforms. */
 export class Moving implements AnimatedNodes {
   #viewer: Viewer;
   /** What was told last. */
@@ -22,20 +26,23 @@ export class Moving implements AnimatedNodes {
     return nodesOf(this.#viewer);
   }
 
-  /** The present motions, as a shot has them; nothing where nothing has moved. */
-  get moves(): Record<string, NodeMove> | undefined {
-    const moves = movesIn(this.#viewer);
-    return Object.keys(moves).length ? moves : undefined;
+  /** The present motions and the pose, as a shot has them; without members where nothing has moved. */
+  get shot(): ShotMotion {
+    const move = movesIn(this.#viewer);
+    const [place, time] = this.#viewer.pose();
+    return { ...(Object.keys(move).length && { move }), ...(place !== undefined && { animation: posesIn(this.#viewer)[place] as string, time: time as number }) };
   }
 
-  /** Checks a shot's `move`. Throws `bad-json`. */
-  check(moves: Record<string, NodeMove>): void {
-    motionsOf(this.#viewer, moves);
+  /** Checks what of a shot moves. Throws `bad-json`. */
+  check({ move = {}, animation, time }: ShotMotion): void {
+    motionsOf(this.#viewer, move);
+    poseOf(this.#viewer, animation, time);
   }
 
-  /** Moves the nodes of a shot; others go back to where the file has them. */
-  move(moves: Record<string, NodeMove>): void {
-    this.#viewer.setNodeMotions(motionsOf(this.#viewer, moves));
+  /** Moves and poses as a shot has it; what it does not name goes back to where the file has it. */
+  move({ move = {}, animation, time }: ShotMotion): void {
+    this.#viewer.setNodeMotions(motionsOf(this.#viewer, move));
+    this.#viewer.setPose(...poseOf(this.#viewer, animation, time));
   }
 
   /** Where the nodes of an animation are, as text. */
@@ -47,8 +54,9 @@ export class Moving implements AnimatedNodes {
   /** Puts the nodes where an animation has them; `value` is that of a track at the moment. */
   play({ tracks }: LightAnimation, value: (track: LightAnimation["tracks"][number]) => number[]): void {
     const { nodes } = this;
+    const poses = posesIn(this.#viewer);
     for (const track of tracks) {
-      if (track.property === "pose") this.#viewer.setPose(track.node, value(track)[0] as number);
+      if (track.property === "pose") this.#viewer.setPose(poses.indexOf(track.node), value(track)[0] as number);
       const node = nodes[track.node ?? ""];
       if (node && track.property !== "pose") Object.assign(node, { [track.property]: value(track) });
     }

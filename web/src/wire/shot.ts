@@ -86,6 +86,10 @@ export interface Shot {
   gloss?: boolean;
   /** Motions of nodes by their names; other nodes are where the file has them. */
   move?: Record<string, NodeMove>;
+  /** Name or number of the animation whose pose skins and morph targets have, at `time`; the file's first when absent. */
+  animation?: string;
+  /** Seconds from the animation's begin; at rest when there is neither this nor an animation. */
+  time?: number;
   /** Width and height of the picture, pixels; the element keeps its own size. */
   size?: [number, number];
 }

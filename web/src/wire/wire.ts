@@ -142,17 +142,16 @@ export function setLights(viewer: Viewer, lights: readonly Light[]): void {
 /** The present shot, without a size. */
 export function shotIn(viewer: Viewer): Shot {
   const mix = mixIn(viewer);
-  const move = viewer.moving?.moves;
-  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }), ...(move && { move }), ...(viewer.gloss && { gloss: true }) };
+  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }), ...viewer.moving?.shot, ...(viewer.gloss && { gloss: true }) };
 }
 
 /** Sets camera, lights and mix, or none. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
-  const { emission = 1, mix = [], move, gloss = false } = member("shot", shot) as unknown as Shot;
+  const { emission = 1, mix = [], move, animation, time, gloss = false } = member("shot", shot) as unknown as Shot;
   if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
   const { moving } = viewer;
-  if (move && !moving) throw wrong("move", "nothing of this file can move");
-  moving?.check(move ?? {});
+  if (!moving && (move ?? animation ?? time) !== undefined) throw wrong(move ? "move" : "animation", "nothing of this file can move");
+  moving?.check(shot);
   const before = mixIn(viewer);
   const lights = completed(viewer, shot);
   setMix(viewer, mix);
@@ -162,7 +161,7 @@ export function setShot(viewer: Viewer, shot: Shot): void {
     setMix(viewer, before);
     throw error;
   }
-  moving?.move(move ?? {});
+  moving?.move(shot);
   viewer.gloss = gloss;
   keepTexts(viewer, lights);
 }

@@ -160,6 +160,48 @@ export async function rigs(harness, context) {
     await posed.page.close();
   });
 
+  await harness.test("rigs::a_shot_is_of_a_moment_of_an_animation_or_at_rest", async () => {
+    const found = await page.evaluate(async ([[name, time], size]) => {
+      const { camera, lights } = viewer.shot;
+      const of = (moment) => ((viewer.shot = { camera, lights, ...moment }), covered(...size));
+      at(name, time);
+      const played = await covered(...size);
+      const told = viewer.shot;
+      const rest = await of({});
+      const refused = (moment) => {
+        try {
+          viewer.shot = { camera, lights, ...moment };
+        } catch ({ code, message }) {
+          return `${code}: ${message}`;
+        }
+        return "";
+      };
+      const named = await of({ animation: name, time });
+      return {
+        played,
+        rest,
+        named,
+        told,
+        numbered: await of({ animation: "1", time: 0.5 }),
+        second: viewer.shot,
+        first: (await of({ time }), viewer.shot),
+        wrong: [{ animation: "fly" }, { animation: name, time: "late" }].map(refused),
+        none: (await of({}), viewer.shot),
+      };
+    }, [MOMENTS[0], SIZE]);
+    const [name, time] = MOMENTS[0];
+    same([found.told.animation, found.told.time], [name, time], "the shot of what is played");
+    check(apart(found.named, found.played) < 1e-3, "the shot is not the moment that was played");
+    check(apart(found.rest, found.played) > EDGES, "without one it is not at rest");
+    check(apart(found.numbered, found.rest) > EDGES, "the second animation does not move it");
+    same([found.second.animation, found.second.time], ["sway", 0.5], "an animation by its number");
+    same([found.first.animation, found.first.time], ["bend", time], "the first one");
+    check(found.wrong[0].includes("bad-json") && found.wrong[0].includes("bend, sway"), found.wrong[0]);
+    check(found.wrong[1].includes("bad-json") && found.wrong[1].includes("time"), found.wrong[1]);
+    check(!("animation" in found.none) && !("time" in found.none), "at rest there is none");
+    equal(faults.join("\n"), "", "faults");
+  });
+
   await harness.test("rigs::it_plays_and_stands_again_where_it_was", async () => {
     const found = await page.evaluate(async (size) => {
       viewer.animationName = "bend";

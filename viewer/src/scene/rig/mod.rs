@@ -50,6 +50,8 @@ pub struct GpuRig {
     rig: Rig,
     /// What is on the GPU, once [`Self::encode`] has been called.
     pose: RefCell<Pose>,
+    /// Animation of the pose, and its time in seconds; `None` at rest.
+    moment: Cell<Option<(usize, f64)>>,
     is_stale: Cell<bool>,
     matrices: wgpu::Buffer,
     weights: wgpu::Buffer,
@@ -127,6 +129,7 @@ impl GpuRig {
             moved: moved.clone(),
             rig: rig.clone(),
             pose: pose.into(),
+            moment: None.into(),
             is_stale: false.into(),
             matrices,
             weights,
@@ -142,15 +145,21 @@ impl GpuRig {
     }
 
     /// Poses the rig as an animation has it at a time, seconds; at rest without one. Returns whether that is another pose.
-    pub fn pose(&self, animation: Option<usize>, time: f32) -> bool {
+    pub fn pose(&self, animation: Option<usize>, time: f64) -> bool {
+        self.moment.set(animation.map(|number| (number, time)));
         let animation = animation.and_then(|number| self.animations().get(number));
-        let pose = animation.map_or_else(|| Pose::rest(&self.rig), |found| Pose::of(&self.rig, found, time));
+        let pose = animation.map_or_else(|| Pose::rest(&self.rig), |found| Pose::of(&self.rig, found, time as f32));
         let changes = *self.pose.borrow() != pose;
         if changes {
             self.pose.replace(pose);
             self.is_stale.set(true);
         }
         changes
+    }
+
+    /// Animation of the pose, and its time in seconds; `None` at rest.
+    pub fn moment(&self) -> Option<(usize, f64)> {
+        self.moment.get()
     }
 
     /// Lets points follow again: nodes have moved.
