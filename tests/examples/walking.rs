@@ -2,7 +2,8 @@
 //!
 //! `walking [--poses N] [--bins N] [--elements N] [--functions N]`
 //!
-//! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at patches of the room:
+//! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at random patches of the room, of
+//! antiradiance the mean of near patches, as points of a file have it:
 //!
 //! * `operator`: the baked operator, direct light with the figure's shadow;
 //! * `antiradiance`: room and figure by antiradiance;
@@ -112,7 +113,9 @@ impl Room {
         let mut patches = self.patches.clone();
         patches.extend(figure);
         let direct: Vec<Vec3> = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
-        let seen: Vec<usize> = (0..PLACES).map(|i| i * count / PLACES).collect();
+        // At random: patches follow each other as they were halved, and every n-th one is the same corner of its square.
+        let mut stream = Stream::new(1, 1);
+        let seen: Vec<usize> = (0..PLACES).map(|_| stream.bits() as usize % count).collect();
         let truth = [0, 1].map(|seed| {
             let path = |i: &usize| traced(&surfaces, &lamps, &patches[*i], seed);
             seen.par_iter().map(path).collect::<Vec<_>>()
@@ -123,7 +126,10 @@ impl Room {
         let both = AntiradianceSolver::new(&patches, &self.settings, &Pool);
         let without = alone.solve(&direct[..count], &self.settings, &Pool, &mut ()).0;
         let with = both.solve(&direct, &self.settings, &Pool, &mut ()).0;
-        let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + with[i] - without[i]).collect();
+        let change: Vec<Vec3> = (0..count).map(|i| with[i] - without[i]).collect();
+        let change = self.smooth(&change);
+        let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + change[i]).collect();
+        let with = self.smooth(&with[..count]);
         let first = self.first_bounces(&direct, &by_operator, [&alone, &both]);
         let away = |i: usize| {
             let place = patches[i].position();
@@ -181,6 +187,15 @@ impl Room {
         self.patches.par_iter().map(at).collect()
     }
 
+    /// Means of the values of near patches of the room.
+    fn smooth(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
+        let area: f32 = places.iter().map(|place| place.area).sum();
+        let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
+        let at = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
+        self.patches.par_iter().map(at).collect()
+    }
+
     /// Values of patches of the room at the points that direct light is evaluated at.
     fn at_points(&self, values: &[Vec3]) -> Vec<Vec3> {
         let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
@@ -205,6 +220,7 @@ impl Room {
         let [without, with] = [alone, both].map(|solver| transported(solver, &given, &direct[count..]));
         let change: Vec<Vec3> = (0..count).map(|i| with[i] - without[i]).collect();
         let bounced = self.at_patches(&relight::relight(&self.baked, self.at_points(&change)));
+        let change = self.smooth(&change);
         (0..count).map(|i| by_operator[i] + change[i] + bounced[i]).collect()
     }
 }

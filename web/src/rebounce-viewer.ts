@@ -40,7 +40,7 @@ export type {
   SpotLight,
   Triple,
 } from "./wire/shot.js";
-export type { Counts, Stats } from "./wire/stats.js";
+export type { AntiradianceStats, Counts, Solver, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */
 export interface PictureOptions {

@@ -171,7 +171,7 @@ export async function commandTests(harness, { work, rebounce, command, native, v
     }
   });
 
-  await harness.test("command::the_scripts_of_the_guide_bake", async () => {
+  await harness.long("command::the_scripts_of_the_guide_bake", async () => {
     const bytes = await expected(["--preset", "draft", "--max-bytes", "4M"]);
     for (const file of ["bake.mjs", "optimise.mjs"]) await writeFile(path.join(folder, file), await block("npm.md", file));
     const baked = await ended(process.execPath, ["bake.mjs"], { cwd: folder, env: WASM });

@@ -25,7 +25,7 @@ export async function runSiteTests(harness, folder) {
     await harness.test("site::the_sun_and_the_lamps_follow_the_hour", () => apartment(context));
     await harness.test("site::the_comparison_moves_by_keyboard", () => comparison(context));
     await harness.test("site::the_hero_fills_its_frame", () => hero(context));
-    await harness.test("site::a_visitor_bakes_a_sample_and_saves_it", () => sample(context));
+    await harness.long("site::a_visitor_bakes_a_sample_and_saves_it", () => sample(context));
     await harness.test("site::a_wrong_file_and_cancel_leave_the_page_sound", () => wrongFiles(context));
     await harness.test("site::the_gallery_has_four_scenes_with_their_figures", () => gallery(context));
     await harness.test("site::a_phone_scrolls_past_every_viewer", () => phone(context));

@@ -102,7 +102,7 @@ fn renderers(toolchain: Toolchain, purpose: Purpose, pkg: &Path) -> Result<()> {
     let element = |features| ["--no-default-features", "--features", features];
     for (package, library, name, options) in [
         ("rebounce-viewer", NAME, NAME, &element("element")[..]),
-        ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity")),
+        ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity,antiradiance")),
         ("rebounce-three", THREE, THREE, &[]),
     ] {
         let wasm = renderer_wasm(toolchain, purpose, (package, library), options)?;

@@ -75,6 +75,13 @@ pub struct Hierarchy {
 impl Hierarchy {
     /// Clusters patches: halves by their normals, then by the longest side of the box of their middles, twice for each level.
     pub fn new(patches: &[Patch]) -> Self {
+        Self::parted(patches, patches.len())
+    }
+
+    /// As [`Self::new`], with the first `still` patches in one child of the root, element 1, and all others in another, 2; all
+    /// in the root where there is nothing else.
+    pub fn parted(patches: &[Patch], still: usize) -> Self {
+        let is_parted = still > 0 && still < patches.len();
         let mut out = Self { element_of: vec![NONE; patches.len()], ..Self::default() };
         if patches.is_empty() {
             out.levels.push(0);
@@ -94,18 +101,38 @@ impl Hierarchy {
                     element.first = order[range.start];
                     out.element_of[element.first as usize] = own;
                 } else {
-                    let parts = quarters(&places, &mut order, range.clone());
+                    let parts = match own {
+                        0 if is_parted => vec![0..still, still..patches.len()],
+                        _ => quarters(&places, &mut order, range.clone()),
+                    };
                     element.first = (begin + level.len() + next.len()) as u32;
                     element.children = parts.len() as u32;
                     next.extend(parts.into_iter().map(|part| (own, part)));
                 }
-                measure(&mut element, patches, &order[range.clone()]);
+                measure(&mut element, patches, order[range.clone()].iter());
                 out.elements.push(element);
             }
             level = next;
         }
         out.levels.push(out.elements.len() as u32);
         out
+    }
+
+    /// Measures elements anew after their patches have moved: those of which `moves` is true. Clusters keep their children.
+    pub fn follow(&mut self, patches: &[Patch], moves: &[bool]) {
+        let mut own = vec![Vec::new(); self.elements.len()];
+        for i in (0..self.elements.len()).rev().filter(|i| moves[*i]) {
+            let mut element = self.elements[i];
+            if element.is_patch() {
+                own[i] = vec![element.first];
+            }
+            measure(&mut element, patches, own[i].iter());
+            self.elements[i] = element;
+            let patches = std::mem::take(&mut own[i]);
+            if let Some(parent) = own.get_mut(element.parent as usize) {
+                parent.extend(patches);
+            }
+        }
     }
 
     /// Elements of a level.
@@ -168,8 +195,8 @@ fn longest(vectors: impl Iterator<Item = Vec3>) -> Longest {
 }
 
 /// Sets area, middle, radius and normal from these patches.
-fn measure(element: &mut Element, patches: &[Patch], own: &[u32]) {
-    let own = || own.iter().map(|i| &patches[*i as usize]);
+fn measure<'a>(element: &mut Element, patches: &[Patch], own: impl Iterator<Item = &'a u32> + Clone) {
+    let own = || own.clone().map(|i| &patches[*i as usize]);
     element.area = own().map(Patch::area).sum();
     let sum: Vec3 = own().map(|patch| patch.area() * patch.position()).sum();
     let plain: Vec3 = own().map(Patch::position).sum::<Vec3>() / own().count().max(1) as f32;

@@ -25,8 +25,20 @@ pub struct Links {
 impl Links {
     /// Refines from the root. `width` is the greatest solid angle of an element of a link, in bins.
     pub fn new(patches: &[Patch], hierarchy: &Hierarchy, bins: &Bins, width: f32) -> Self {
+        let root = if hierarchy.elements.is_empty() { Vec::new() } else { vec![[0, 0]] };
+        Self::between(patches, hierarchy, bins, width, root)
+    }
+
+    /// Refines from pairs of elements; a pair of one element twice is all light within it.
+    pub fn between(
+        patches: &[Patch],
+        hierarchy: &Hierarchy,
+        bins: &Bins,
+        width: f32,
+        open: Vec<[usize; 2]>,
+    ) -> Self {
         let oracle = Oracle { patches, hierarchy, most: width * bins.solid_angle() };
-        Self::of_pairs(hierarchy.elements.len(), &oracle.pairs())
+        Self::of_pairs(hierarchy.elements.len(), &oracle.pairs(open))
     }
 
     /// Sorts pairs of receiver and sender by receiver.
@@ -66,13 +78,10 @@ struct Oracle<'a> {
 }
 
 impl Oracle<'_> {
-    /// Pairs of receiver and sender.
-    fn pairs(&self) -> Vec<[u32; 2]> {
+    /// Pairs of receiver and sender, from open pairs of elements.
+    fn pairs(&self, mut open: Vec<[usize; 2]>) -> Vec<[u32; 2]> {
         let elements = &self.hierarchy.elements;
-        let (mut out, mut open) = (Vec::new(), Vec::new());
-        if !elements.is_empty() {
-            open.push([0, 0]);
-        }
+        let mut out = Vec::new();
         while let Some([a, b]) = open.pop() {
             if a == b {
                 // Light within a cluster goes between its children.

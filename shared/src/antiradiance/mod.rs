@@ -16,6 +16,8 @@
 //! | local pass K and J | [`local`], [`cosines`] |
 //! | the same transfers by receiver and bin, for a GPU | [`cells`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
+//! | patches of a file's points | [`point_patches`] |
+//! | links again where things have moved | [`moving`] |
 //! | ordered iteration; the same for many threads | [`sweep`], [`waves`] |
 //!
 //! Nothing here starts threads: [`workers`] is what a caller brings.
@@ -26,7 +28,9 @@ pub mod cosines;
 pub mod hierarchy;
 pub mod links;
 pub mod local;
+pub mod moving;
 pub mod patches;
+pub mod point_patches;
 pub mod samples;
 pub mod solve;
 pub mod spread;
@@ -43,7 +47,9 @@ pub use bins::Bins;
 pub use cells::Cells;
 pub use hierarchy::Hierarchy;
 pub use links::Links;
+pub use moving::MovingElements;
 pub use patches::Patch;
+pub use point_patches::PointPatches;
 pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
 pub use transfer::Transfer;
 pub use transfers::{Exchange, Spreading, Transfers};

@@ -130,9 +130,18 @@ impl<'a> AntiradianceSolver<'a> {
         let exchange = Exchange::new(&bins, patches, &hierarchy, settings.spreading);
         let transfers = Transfers::new(&exchange, &links, workers);
         let normalisations = exchange.normalisations;
+        Self::linked(patches, (hierarchy, bins), (transfers, links.count()), normalisations)
+    }
+
+    /// Of elements, bins, form factors and the number of their links, and the normalisations of the patches.
+    pub fn linked(
+        patches: &'a [Patch],
+        (hierarchy, bins): (Hierarchy, Bins),
+        (transfers, links): (Transfers, usize),
+        normalisations: Vec<f32>,
+    ) -> Self {
         let spread = Spread::new(&bins);
-        let (links, ordered) = (links.count(), OnceLock::new());
-        Self { patches, hierarchy, bins, links, transfers, spread, normalisations, ordered }
+        Self { patches, hierarchy, bins, links, transfers, spread, normalisations, ordered: OnceLock::new() }
     }
 
     /// Bytes of the tables of an iteration, of the form factors, and of what orders them.

@@ -59,6 +59,16 @@ impl Transfers {
         Self { offsets, transfers }
     }
 
+    /// These and others of the same elements.
+    pub fn and(&self, others: &Self) -> Self {
+        let mut out = Self { offsets: vec![0], ..Self::default() };
+        for receiver in 0..self.offsets.len().max(1) - 1 {
+            [self, others].iter().for_each(|own| out.transfers.extend_from_slice(own.to(receiver)));
+            out.offsets.push(out.transfers.len() as u32);
+        }
+        out
+    }
+
     /// Transfers to a receiver.
     pub fn to(&self, receiver: usize) -> &[Transfer] {
         &self.transfers[self.offsets[receiver] as usize..self.offsets[receiver + 1] as usize]

@@ -117,7 +117,9 @@ named! {
     /// The operator, wherever things are.
     Operator "operator",
     /// Radiosity.
-    Radiosity "radiosity"
+    Radiosity "radiosity",
+    /// Antiradiance; the operator in a build without it.
+    Antiradiance "antiradiance"
 }
 
 #[cfg(test)]

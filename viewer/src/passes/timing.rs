@@ -24,9 +24,12 @@ pub enum Pass {
     Blended,
     /// Composite.
     Composite,
+    /// Steps of antiradiance, with light from points to patches and back.
+    #[cfg(feature = "antiradiance")]
+    Antiradiance,
 }
 
-const PASSES: usize = 7;
+const PASSES: usize = if cfg!(feature = "antiradiance") { 8 } else { 7 };
 const BYTES: u64 = PASSES as u64 * 16;
 
 /// Milliseconds of each pass when it last ran; absent if it never did.
@@ -47,6 +50,9 @@ pub struct Milliseconds {
     pub blended: Option<f64>,
     /// Composite.
     pub composite: Option<f64>,
+    /// All steps of antiradiance of a frame.
+    #[cfg(feature = "antiradiance")]
+    pub antiradiance: Option<f64>,
 }
 
 /// Positions of the two timestamps of a pass.
@@ -176,6 +182,8 @@ impl Timing {
                     3 => &mut self.last.find,
                     4 => &mut self.last.gather,
                     5 => &mut self.last.blended,
+                    #[cfg(feature = "antiradiance")]
+                    7 => &mut self.last.antiradiance,
                     _ => &mut self.last.composite,
                 };
                 *slot = Some(ms);

@@ -76,6 +76,10 @@ impl Renderer {
         if let Some(moving) = &scene.moving {
             moving.relit();
         }
+        #[cfg(feature = "antiradiance")]
+        if let Some(own) = scene.antiradiance.get() {
+            own.relit();
+        }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             #[cfg(feature = "radiosity")]

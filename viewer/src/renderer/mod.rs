@@ -332,6 +332,8 @@ impl Renderer {
                 shadows: self.shadows.bytes(),
                 picture: self.target.as_ref().map_or(0, |t| t.bytes()),
             },
+            #[cfg(feature = "antiradiance")]
+            antiradiance: self.antiradiance_counts(),
         }
     }
 

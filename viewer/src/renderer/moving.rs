@@ -5,7 +5,11 @@ use super::pipelines::Pipelines;
 use crate::controls::node_gizmo::StageNode;
 use crate::error::ViewerError;
 use crate::passes::settings::SolverChoice;
+#[cfg(feature = "antiradiance")]
+use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
+#[cfg(feature = "antiradiance")]
+use crate::scene::antiradiance::{AntiradianceCounts, AntiradiancePipelines, SceneAntiradiance};
 use crate::scene::moving::Moving;
 use crate::scene::radiosity::RadiosityPipelines;
 use rebounce_shared::motion::NodeMotion;
@@ -55,8 +59,12 @@ impl Renderer {
         self.follow_solver();
     }
 
-    /// What computes bounced light now: `operator` or `radiosity`.
+    /// What computes bounced light now: `operator`, `radiosity` or `antiradiance`.
     pub fn solver_in_use(&self) -> &'static str {
+        #[cfg(feature = "antiradiance")]
+        if self.by_antiradiance().is_some() {
+            return SolverChoice::Antiradiance.name();
+        }
         self.by_radiosity().map_or(SolverChoice::Operator, |_| SolverChoice::Radiosity).name()
     }
 
@@ -64,12 +72,57 @@ impl Renderer {
     pub(super) fn follow_solver(&mut self) {
         let Some(scene) = &self.scene else { return };
         let Some(moving) = &scene.moving else { return };
+        #[cfg(feature = "antiradiance")]
+        let is_by_antiradiance =
+            self.solver == SolverChoice::Antiradiance && self.has_antiradiance(scene, moving);
+        #[cfg(not(feature = "antiradiance"))]
+        let is_by_antiradiance = false;
         let is_by_radiosity = match self.solver {
-            _ if !scene.relight.is_linked() => true,
+            _ if is_by_antiradiance || !scene.relight.is_linked() => true,
             SolverChoice::Auto => moving.is_moved(),
             choice => choice == SolverChoice::Radiosity,
         };
         self.dirty.lights |= scene.relight.set_by_radiosity(is_by_radiosity);
+        #[cfg(feature = "antiradiance")]
+        {
+            self.dirty.lights |= scene.is_by_antiradiance.replace(is_by_antiradiance) != is_by_antiradiance;
+        }
+    }
+
+    #[cfg(feature = "antiradiance")]
+    fn by_antiradiance(&self) -> Option<&SceneAntiradiance> {
+        self.scene.as_ref()?.by_antiradiance()
+    }
+
+    /// Elements, links and steps of antiradiance; `None` where something else computes bounced light.
+    #[cfg(feature = "antiradiance")]
+    pub fn antiradiance_counts(&self) -> Option<AntiradianceCounts> {
+        Some(self.by_antiradiance()?.counts())
+    }
+
+    /// Makes what antiradiance takes for a scene, the first time. Returns whether it is there: a scene may have more links than a
+    /// buffer holds.
+    #[cfg(feature = "antiradiance")]
+    fn has_antiradiance(&self, scene: &GpuScene, moving: &Moving) -> bool {
+        if scene.antiradiance.get().is_some() {
+            return true;
+        }
+        let pipelines = self.pipelines.antiradiance.get_or_init(|| AntiradiancePipelines::new(&self.gpu));
+        let from = (moving, scene.rig.as_ref());
+        let made = SceneAntiradiance::new(&self.gpu, pipelines, from, (&scene.upload, &scene.relight));
+        made.is_ok_and(|made| scene.antiradiance.set(made).is_ok())
+    }
+
+    /// Takes some steps of antiradiance.
+    #[cfg(feature = "antiradiance")]
+    fn step_antiradiance(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
+        let Some((own, moving)) = scene.by_antiradiance().zip(scene.moving.as_ref()) else { return };
+        let Some(pipelines) = self.pipelines.antiradiance.get() else { return };
+        // What moves has more links than a buffer holds: the light stays that of the places before.
+        let stamps = self.timing.as_mut().and_then(|timing| timing.stamps(Pass::Antiradiance));
+        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), stamps);
+        scene.relight.show_sources(encoder);
+        self.dirty.display = true;
     }
 
     /// Names of the nodes that may move.
@@ -110,6 +163,10 @@ impl Renderer {
         moving.place(&scene.upload, motions);
         if let Some(rig) = &scene.rig {
             rig.renew();
+        }
+        #[cfg(feature = "antiradiance")]
+        if let Some(own) = scene.antiradiance.get() {
+            own.moved();
         }
         self.follow_solver();
         self.shadows.forget();
@@ -157,11 +214,19 @@ impl Renderer {
 
     /// Whether bounced light is on its way.
     pub fn is_solving(&self) -> bool {
+        #[cfg(feature = "antiradiance")]
+        if let Some(own) = self.by_antiradiance() {
+            return own.is_solving();
+        }
         self.by_radiosity().is_some_and(Moving::is_solving)
     }
 
     /// Computes the next slice of bounced light.
     pub(super) fn solve(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
+        #[cfg(feature = "antiradiance")]
+        if scene.by_antiradiance().is_some_and(SceneAntiradiance::is_solving) {
+            return self.step_antiradiance(encoder, scene);
+        }
         let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         self.slice.is_timed = moving.is_solving() && !self.dirty.view && !self.dirty.display;
         if moving.solve(&self.gpu, encoder, pipelines, &scene.relight, self.slice.receivers) {
@@ -171,6 +236,10 @@ impl Renderer {
 
     /// Computes all of the bounced light, slice by slice.
     pub(super) fn solve_all(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
+        #[cfg(feature = "antiradiance")]
+        while scene.by_antiradiance().is_some_and(SceneAntiradiance::is_solving) {
+            self.step_antiradiance(encoder, scene);
+        }
         let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         while moving.is_solving() {
             moving.solve(&self.gpu, encoder, pipelines, &scene.relight, WHOLE);

@@ -15,6 +15,8 @@ use crate::passes::reflections::ReflectionsPass;
 use crate::passes::rest_places::RestPlacesPass;
 use crate::passes::shadow::ShadowPipelines;
 use crate::scene::Loaders;
+#[cfg(feature = "antiradiance")]
+use crate::scene::antiradiance::AntiradiancePipelines;
 #[cfg(feature = "radiosity")]
 use crate::scene::gloss::GlossKernels;
 use crate::scene::materials::material_layout;
@@ -51,6 +53,9 @@ pub struct Pipelines {
     /// Radiosity; made for the first scene that takes it.
     #[cfg(feature = "radiosity")]
     pub radiosity: OnceCell<RadiosityPipelines>,
+    /// Antiradiance; made when it is first chosen.
+    #[cfg(feature = "antiradiance")]
+    pub antiradiance: OnceCell<AntiradiancePipelines>,
     /// Light of lightmaps.
     #[cfg(feature = "radiosity")]
     pub lightmap: LightmapPass,
@@ -86,6 +91,8 @@ impl Pipelines {
             mips: Mips::new(gpu),
             #[cfg(feature = "radiosity")]
             radiosity: OnceCell::new(),
+            #[cfg(feature = "antiradiance")]
+            antiradiance: OnceCell::new(),
             #[cfg(feature = "radiosity")]
             lightmap: LightmapPass::default(),
             #[cfg(feature = "radiosity")]

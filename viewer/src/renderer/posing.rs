@@ -33,6 +33,10 @@ impl Renderer {
             )));
         }
         if scene.rig.as_ref().is_some_and(|rig| rig.pose(animation, time)) {
+            #[cfg(feature = "antiradiance")]
+            if let Some(own) = scene.antiradiance.get() {
+                own.moved();
+            }
             self.shadows.forget();
             self.still.forget();
             self.dirty.lights = true;

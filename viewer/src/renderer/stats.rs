@@ -1,6 +1,8 @@
 //! Statistics of the viewer.
 
 use crate::passes::timing::Milliseconds;
+#[cfg(feature = "antiradiance")]
+use crate::scene::antiradiance::AntiradianceCounts;
 
 /// Counts, bytes and times.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -38,6 +40,10 @@ pub struct Stats {
     pub lights: usize,
     /// Bytes on the GPU.
     pub bytes: Bytes,
+    /// What antiradiance takes, where it computes bounced light.
+    #[cfg(feature = "antiradiance")]
+    #[serde(skip)]
+    pub antiradiance: Option<AntiradianceCounts>,
 }
 
 impl Stats {
@@ -70,6 +76,8 @@ impl Stats {
                 ("gather", micros(m.gather)),
                 ("blended", micros(m.blended)),
                 ("composite", micros(m.composite)),
+                #[cfg(feature = "antiradiance")]
+                ("antiradiance", micros(m.antiradiance)),
             ],
         );
         group(
@@ -82,6 +90,16 @@ impl Stats {
                 ("picture", Some(b.picture)),
             ],
         );
+        #[cfg(feature = "antiradiance")]
+        if let Some(own) = &self.antiradiance {
+            let members = [
+                ("elements", Some(own.elements as u64)),
+                ("links", Some(own.links as u64)),
+                ("bins", Some(own.bins as u64)),
+                ("iterations", Some(u64::from(own.iterations))),
+            ];
+            group("antiradiance", &members);
+        }
         group(
             "counts",
             &[

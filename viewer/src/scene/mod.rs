@@ -50,6 +50,8 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 #[cfg(feature = "radiosity")]
 use crate::gpu::scope::Scope;
+#[cfg(feature = "antiradiance")]
+use antiradiance::SceneAntiradiance;
 #[cfg(feature = "radiosity")]
 use cube_maps::{CubeMapKernels, GpuCubeMaps};
 use extent::Extent;
@@ -71,6 +73,8 @@ use rebounce_shared::rbn::sources::Sources;
 use relight::{Relight, RelightPipelines};
 #[cfg(feature = "radiosity")]
 use rig::{GpuRig, RigPipelines};
+#[cfg(feature = "antiradiance")]
+use std::cell::Cell;
 #[cfg(feature = "radiosity")]
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -114,6 +118,12 @@ pub struct GpuScene {
     /// Nodes that move, of a scene that radiosity can light.
     #[cfg(feature = "radiosity")]
     pub moving: Option<Moving>,
+    /// Antiradiance, once it was chosen for a scene that it can light.
+    #[cfg(feature = "antiradiance")]
+    pub antiradiance: OnceCell<SceneAntiradiance>,
+    /// Whether bounced light comes from antiradiance.
+    #[cfg(feature = "antiradiance")]
+    pub is_by_antiradiance: Cell<bool>,
     /// Meshes that deform, if there are any.
     #[cfg(feature = "radiosity")]
     pub rig: Option<GpuRig>,
@@ -153,13 +163,23 @@ impl GpuScene {
     /// Nodes that move, where radiosity computes bounced light.
     #[cfg(feature = "radiosity")]
     pub fn by_radiosity(&self) -> Option<&Moving> {
+        #[cfg(feature = "antiradiance")]
+        if self.is_by_antiradiance.get() {
+            return None;
+        }
         self.moving.as_ref().filter(|_| self.relight.is_by_radiosity())
     }
 
-    /// The glossy transfer that pictures show; `None` where radiosity computes bounced light, too.
+    /// Antiradiance, where it computes bounced light.
+    #[cfg(feature = "antiradiance")]
+    pub fn by_antiradiance(&self) -> Option<&SceneAntiradiance> {
+        self.antiradiance.get().filter(|_| self.is_by_antiradiance.get())
+    }
+
+    /// The glossy transfer that pictures show; `None` where something else than links computes bounced light.
     #[cfg(feature = "radiosity")]
     pub fn reflecting(&self) -> Option<&GpuGloss> {
-        self.gloss.as_ref().filter(|_| self.by_radiosity().is_none())
+        self.gloss.as_ref().filter(|_| self.moving.is_none() || !self.relight.is_by_radiosity())
     }
 
     /// Bytes on the GPU for bounced light.
@@ -172,6 +192,8 @@ impl GpuScene {
             + self.cube_maps.as_ref().map_or(0, GpuCubeMaps::bytes);
         #[cfg(not(feature = "radiosity"))]
         let more = 0;
+        #[cfg(feature = "antiradiance")]
+        let more = more + self.antiradiance.get().map_or(0, SceneAntiradiance::bytes);
         self.relight.bytes() + more
     }
 
@@ -256,6 +278,10 @@ impl GpuScene {
             relight,
             #[cfg(feature = "radiosity")]
             moving,
+            #[cfg(feature = "antiradiance")]
+            antiradiance: OnceCell::new(),
+            #[cfg(feature = "antiradiance")]
+            is_by_antiradiance: false.into(),
             #[cfg(feature = "radiosity")]
             rig,
             #[cfg(feature = "radiosity")]

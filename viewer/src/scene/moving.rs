@@ -101,6 +101,8 @@ impl Moving {
             relations: scene.relations.clone(),
             groups: scene.groups.clone(),
             point_groups: scene.point_groups.clone(),
+            #[cfg(feature = "antiradiance")]
+            reflectance: scene.reflectance.clone(),
             ..BakedScene::default()
         };
         let nodes = RefCell::new(vec![NodeMotion::default(); file.groups.nodes.len()]);
@@ -112,6 +114,19 @@ impl Moving {
     /// Whether a node is elsewhere than the file has it.
     pub fn is_moved(&self) -> bool {
         self.nodes.borrow().iter().any(|node| *node != NodeMotion::default())
+    }
+
+    /// What of the file motions and rays take; with reflectances.
+    #[cfg(feature = "antiradiance")]
+    pub fn file(&self) -> &BakedScene {
+        &self.file
+    }
+
+    /// Position and normal of a point where its node is; local space.
+    #[cfg(feature = "antiradiance")]
+    pub fn placed_point(&self, motions: &Motions, point: usize) -> [Vec3; 2] {
+        let point = self.file.moved_point(point, motions);
+        [point.position(), point.normal()]
     }
 
     /// Bytes on the GPU.
@@ -170,7 +185,7 @@ impl Moving {
     }
 
     /// Motions of the groups.
-    fn motions(&self) -> Motions {
+    pub fn motions(&self) -> Motions {
         Motions::new(&self.file.groups, &self.nodes.borrow(), self.file.meta.origin)
     }
 

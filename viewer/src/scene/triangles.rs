@@ -152,7 +152,7 @@ impl Triangles {
     }
 
     /// Calls `each` with the batch, the vertices' indices and the corners of every triangle.
-    #[cfg(feature = "guest")]
+    #[cfg(any(feature = "guest", feature = "antiradiance"))]
     pub fn each(&self, mut each: impl FnMut(&DrawBatch, [u32; 3], [Vec3; 3])) {
         for run in &self.runs {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];

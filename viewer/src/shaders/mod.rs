@@ -154,6 +154,12 @@ modules! {
     /// Antiradiance: light that leaves elements, less what went through them.
     #[cfg(feature = "antiradiance")]
     LEAVE_BINS: "antiradiance_pass" "pull_bins" "leave_bins";
+    /// Antiradiance: direct light of patches from that of points.
+    #[cfg(feature = "antiradiance")]
+    LIGHT_PATCHES: "patch_points" "light_patches";
+    /// Antiradiance: light of points from that of patches.
+    #[cfg(feature = "antiradiance")]
+    SHOW_PATCHES: "link" "patch_points" "show_patches";
     /// Dots over the picture.
     OVERLAY: "point" "frame" "overlay";
     /// The lights' handles.

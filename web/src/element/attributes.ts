@@ -7,7 +7,7 @@ export type Mode = "all" | "direct" | "indirect";
 /** What is drawn over the picture. */
 export type Overlay = "none" | "points" | "levels";
 /** What computes bounced light: what suits the scene as it stands, the file's operator, or radiosity. */
-export type SolverChoice = "auto" | "operator" | "radiosity";
+export type SolverChoice = "auto" | "operator" | "radiosity" | "antiradiance";
 /** What is behind an object: a grey and the object's shadow on the ground, or black. */
 export type Backdrop = "auto" | "none";
 /** What pointers and keys do: all once the element has the focus, all, leave scrolling to the page, or nothing. */
@@ -26,7 +26,7 @@ const ALLOWED = {
   interaction: ["auto", "all", "page", "none"],
   "tone-mapping": ["agx", "neutral"],
   display: ["auto", "lookup", "splat"],
-  solver: ["auto", "operator", "radiosity"],
+  solver: ["auto", "operator", "radiosity", "antiradiance"],
   backdrop: ["auto", "none"],
   detail: ["on", "off"],
   "camera-controls": ["auto", "look", "orbit"],

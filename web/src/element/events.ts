@@ -1,6 +1,7 @@
 /** The element's events. */
 
 import type { Camera, Channel, Light, Nodes } from "../wire/shot.js";
+import type { Solver } from "../wire/stats.js";
 
 /** Events of the element, by name. */
 export interface RebounceEventMap {
@@ -19,7 +20,7 @@ export interface RebounceEventMap {
   /** Nodes have moved, by hand, by script or by an animation. */
   "node-change": CustomEvent<{ nodes: Nodes }>;
   /** Something else computes bounced light: what moves is lit by radiosity, and the operator returns. */
-  "solver-change": CustomEvent<{ solver: "operator" | "radiosity" }>;
+  "solver-change": CustomEvent<{ solver: Solver }>;
   /** The light mixer has changed, by hand or by script. */
   "mix-change": CustomEvent<{ mix: Channel[] }>;
   /** The pointer is over another light's handle, or over none: -1. */

@@ -5,6 +5,7 @@ import type { AnimatedNodes } from "../animation/player.js";
 import type { RebounceEventMap } from "../element/events.js";
 import type { Viewer } from "../rebounce_radiosity.js";
 import type { Nodes, Shot } from "../wire/shot.js";
+import type { Solver } from "../wire/stats.js";
 import { motionsOf, movesIn, nodesOf } from "./nodes.js";
 import { poseOf, posesIn } from "./poses.js";
 
@@ -72,6 +73,6 @@ export class Moving implements AnimatedNodes {
     this.#solver = solver;
     const tell = <K extends keyof RebounceEventMap>(type: K, detail: RebounceEventMap[K]["detail"]) => target.dispatchEvent(new CustomEvent(type, { detail }));
     if (moved) tell("node-change", { nodes: this.nodes });
-    if (changed) tell("solver-change", { solver: solver as "operator" | "radiosity" });
+    if (changed) tell("solver-change", { solver: solver as Solver });
   }
 }

@@ -1,14 +1,29 @@
 /** Figures of the viewer. */
 
+/** What computes bounced light. */
+export type Solver = "operator" | "radiosity" | "antiradiance";
+
+/** What antiradiance takes. */
+export interface AntiradianceStats {
+  /** Patches and clusters. */
+  elements: number;
+  /** Links between them. */
+  links: number;
+  /** Bins of directions. */
+  bins: number;
+  /** Steps so far. */
+  iterations: number;
+}
+
 /** What the viewer knows without asking the GPU. */
 export interface Stats {
   /** The graphics adapter's name. */
   adapter: string;
   /** The scene's name. */
   scene: string;
-  /** What computes bounced light: the file's operator, or radiosity. */
-  solver: "operator" | "radiosity";
-  /** Whether radiosity is on its way to what lights and nodes are now. */
+  /** What computes bounced light: the file's operator, radiosity, or antiradiance. */
+  solver: Solver;
+  /** Whether radiosity or antiradiance is on its way to what lights and nodes are now. */
   solving: boolean;
   /** How the last picture's light got from functions to pixels. */
   display: "lookup" | "splat";
@@ -34,6 +49,8 @@ export interface Stats {
   links: number;
   /** Lights. */
   lights: number;
+  /** What antiradiance takes, where it computes bounced light. */
+  antiradiance?: AntiradianceStats;
   /** Bytes on the GPU, by what they are for. */
   bytes: Record<string, number>;
 }

@@ -5,7 +5,7 @@ import { KINDS, LIGHT } from "./light-kinds.js";
 import type { Viewer } from "../engine/module.js";
 import { forgetMix, mixIn, setMix } from "./mix.js";
 import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
-import type { Counts, Stats } from "./stats.js";
+import type { AntiradianceStats, Counts, Stats } from "./stats.js";
 
 /** Kinds of light by their numbers. */
 const TYPES = Object.keys(KINDS) as Light["type"][];
@@ -180,14 +180,15 @@ export async function countsIn(viewer: Viewer): Promise<Counts> {
 
 /** The viewer's figures. */
 export function statsIn(viewer: Viewer): Stats {
-  const { functions, microseconds, bytes, counts } = JSON.parse(viewer.stats()) as {
+  const { microseconds, counts, ...more } = JSON.parse(viewer.stats()) as {
     functions: number[];
     microseconds: Record<string, number>;
     bytes: Record<string, number>;
-    counts: Omit<Stats, "solver" | "solving" | "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes">;
+    antiradiance?: AntiradianceStats;
+    counts: Omit<Stats, "solver" | "solving" | "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes" | "antiradiance">;
   };
   const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
   const display = viewer.displayed() as Stats["display"];
   const { solver = "operator", solving = false } = viewer as unknown as Partial<Pick<Stats, "solver" | "solving">>;
-  return { solver, solving, adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, functions, bytes, ...counts };
+  return { solver, solving, adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, ...more, ...counts };
 }

@@ -1,6 +1,7 @@
 //! Antiradiance on the GPU: the steps of [`rebounce_shared::antiradiance`] as compute passes.
 //!
 //! * here: buffers, their contents, and the dispatches;
+//! * `in_scene` – patches of a scene's points, and the light between both;
 //! * `pipelines` – the compute pipelines.
 //!
 //! The tables of incident radiance and of exitant intensity stay between frames: light that changes goes on from the light
@@ -10,8 +11,10 @@
 //! The ordered iteration goes through the elements in [waves](rebounce_shared::antiradiance::waves), a dispatch each; the
 //! symmetric and the asymmetric one through the levels of the hierarchy.
 
+mod in_scene;
 mod pipelines;
 
+pub use in_scene::{AntiradianceCounts, STEPS, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
 
 use crate::error::ViewerError;
@@ -177,6 +180,31 @@ impl GpuAntiradiance {
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
         self.own.bytes()
+    }
+
+    /// Takes over a solver of the same elements, some of which have moved. The light stays.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; it is as before then.
+    pub fn follow(
+        &mut self,
+        gpu: &Gpu,
+        pipelines: &AntiradiancePipelines,
+        solver: &AntiradianceSolver<'_>,
+    ) -> Result<(), ViewerError> {
+        let next = Self { step: self.step, ..Self::new(gpu, pipelines, solver, self.iteration)? };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for (from, to) in [(&self.incident, &next.incident), (&self.irradiance, &next.irradiance)] {
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
+        }
+        gpu.queue.submit([encoder.finish()]);
+        *self = next;
+        Ok(())
+    }
+
+    /// Direct irradiance by patch: RGB, and a fourth number.
+    pub fn direct(&self) -> &wgpu::Buffer {
+        &self.direct
     }
 
     /// Bounced irradiance by patch: RGB, and a fourth number.

@@ -18,10 +18,18 @@ use crate::gpu::scope::Scope;
 use crate::scene::draw_batch::DrawBatch;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::baked::BakedScene;
+#[cfg(feature = "antiradiance")]
+use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::bulk::Instance;
+#[cfg(feature = "antiradiance")]
+use rebounce_shared::rig::RigPoint;
 use rebounce_shared::rig::pose::Pose;
+#[cfg(feature = "antiradiance")]
+use rebounce_shared::rig::skin::{ridden, skinned};
 use rebounce_shared::rig::{Rig, RigAnimation};
 use std::cell::{Cell, RefCell};
+#[cfg(feature = "antiradiance")]
+use std::collections::HashMap;
 use wgpu::BufferUsages;
 
 /// `RigPass` in rig.wgsl.
@@ -148,7 +156,8 @@ impl GpuRig {
     pub fn pose(&self, animation: Option<usize>, time: f64) -> bool {
         self.moment.set(animation.map(|number| (number, time)));
         let animation = animation.and_then(|number| self.animations().get(number));
-        let pose = animation.map_or_else(|| Pose::rest(&self.rig), |found| Pose::of(&self.rig, found, time as f32));
+        let pose =
+            animation.map_or_else(|| Pose::rest(&self.rig), |found| Pose::of(&self.rig, found, time as f32));
         let changes = *self.pose.borrow() != pose;
         if changes {
             self.pose.replace(pose);
@@ -160,6 +169,17 @@ impl GpuRig {
     /// Animation of the pose, and its time in seconds; `None` at rest.
     pub fn moment(&self) -> Option<(usize, f64)> {
         self.moment.get()
+    }
+
+    /// Positions and normals in the pose of the points that ride, by their numbers; local space.
+    #[cfg(feature = "antiradiance")]
+    pub fn ridden(&self) -> HashMap<usize, [Vec3; 2]> {
+        let at = skinned(&self.rig, &self.pose.borrow());
+        let place = |rider: &RigPoint| {
+            let on = ridden(rider, &at);
+            (rider.point as usize, [on.position, on.normal])
+        };
+        self.rig.points.iter().map(place).collect()
     }
 
     /// Lets points follow again: nodes have moved.

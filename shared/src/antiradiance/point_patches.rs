@@ -1,0 +1,120 @@
+//! Patches of a file's points: each point of a level stands for the surface around it.
+//!
+//! A level of the basis covers all surfaces by itself. What moves is of another level than what stands, so that it has enough
+//! patches however small it is beside the room.
+
+use super::patches::Patch;
+use crate::baked::BakedScene;
+use glam::{IVec3, Vec3};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Calls with the corners of every triangle, local space, and whether it has two sides.
+pub type EachTriangle<'a> = dyn Fn(&mut dyn FnMut([Vec3; 3], bool)) + 'a;
+
+/// Least cosine of normals of a point and of a surface that it stands for.
+const SAME: f32 = 0.5;
+/// Pieces of surface that are looked at for each patch.
+const PIECES: f32 = 16.0;
+/// Side of a cell of the grid, in sides of a square of a patch's mean area.
+const CELL: f32 = 2.0;
+/// Least area of a patch, as a share of the mean.
+const LEAST: f32 = 0.05;
+
+/// Points that are patches: those that stand, then those that move.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointPatches {
+    /// Number of the point of each patch.
+    pub points: Vec<u32>,
+    /// Number of patches that stand.
+    pub still: usize,
+    /// Areas, square scene units.
+    areas: Vec<f32>,
+    albedo: Vec<Vec3>,
+}
+
+impl PointPatches {
+    /// Chooses the finest levels with at most `most` points that stand, and that move. Triangles are those
+    /// at rest.
+    pub fn new(
+        scene: &BakedScene,
+        moves: &dyn Fn(usize) -> bool,
+        most: [usize; 2],
+        each_triangle: &EachTriangle<'_>,
+    ) -> Self {
+        let levels = || (0..scene.meta.levels.len()).map(|level| scene.level(level));
+        let chosen = |kind: bool, most: usize| {
+            let own = |level: Range<usize>| level.filter(|i| moves(*i) == kind).map(|i| i as u32);
+            let fitting = levels().rev().find(|level| own(level.clone()).count() <= most);
+            fitting.or_else(|| levels().next()).map_or(Vec::new(), |level| own(level).collect())
+        };
+        let mut points = chosen(false, most[0]);
+        let still = points.len();
+        points.extend(chosen(true, most[1]));
+        let albedo = points.iter().map(|i| scene.albedo(*i as usize)).collect();
+        let areas = areas(scene, &points, each_triangle);
+        Self { points, still, areas, albedo }
+    }
+
+    /// The patches, where `at` has the position and the normal of a point, local space.
+    pub fn patches(&self, at: &dyn Fn(usize) -> [Vec3; 2]) -> Vec<Patch> {
+        let patch = |((point, area), albedo): ((&u32, &f32), &Vec3)| {
+            let [position, normal] = at(*point as usize);
+            Patch::around(position, normal, *area, *albedo)
+        };
+        self.points.iter().zip(&self.areas).zip(&self.albedo).map(patch).collect()
+    }
+}
+
+/// Areas that points stand for: those of the pieces of surface nearest to each that face the same way.
+fn areas(scene: &BakedScene, points: &[u32], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
+    let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
+    let mut whole = 0.0;
+    each_triangle(&mut |corners, is_two_sided| whole += size(corners) * if is_two_sided { 2.0 } else { 1.0 });
+    let mean = whole / points.len().max(1) as f32;
+    if mean <= 0.0 {
+        return vec![0.0; points.len()];
+    }
+    let side = CELL * mean.sqrt();
+    let cell = |place: Vec3| (place / side).floor().as_ivec3();
+    let mut grid: HashMap<IVec3, Vec<u32>> = HashMap::new();
+    let places: Vec<[Vec3; 2]> = points
+        .iter()
+        .map(|i| &scene.points[*i as usize])
+        .map(|point| [point.position(), point.normal()])
+        .collect();
+    for (number, [position, _]) in (0..).zip(&places) {
+        grid.entry(cell(*position)).or_default().push(number);
+    }
+    let nearest = |place: Vec3, normal: Vec3| {
+        let around = (0..27).map(|i| cell(place) + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        let near = around.filter_map(|cell| grid.get(&cell)).flatten().copied();
+        let facing = near.filter(|number| places[*number as usize][1].dot(normal) > SAME);
+        let distance = |number: &u32| places[*number as usize][0].distance_squared(place);
+        facing.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    let mut out = vec![0.0f32; points.len()];
+    let mut found = 0.0;
+    let mut open = Vec::new();
+    each_triangle(&mut |corners, is_two_sided| {
+        let [a, b, c] = corners;
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
+        open.push(Patch { corners, normal, albedo: Vec3::ZERO });
+        while let Some(piece) = open.pop() {
+            let area = piece.area();
+            if area > mean / PIECES {
+                open.extend(piece.halves());
+                continue;
+            }
+            for normal in [normal, -normal].into_iter().take(if is_two_sided { 2 } else { 1 }) {
+                if let Some(number) = nearest(piece.position(), normal) {
+                    out[number as usize] += area;
+                    found += area;
+                }
+            }
+        }
+    });
+    // Pieces without a point are with the others.
+    let more = whole / found.max(f32::MIN_POSITIVE);
+    out.iter().map(|area| (more * area).max(LEAST * mean)).collect()
+}

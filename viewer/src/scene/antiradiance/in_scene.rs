@@ -1,0 +1,263 @@
+//! Antiradiance as the bounced light of a scene: from direct light at its points to light at its points.
+//!
+//! Patches stand for points of two levels ([`PointPatches`]): one for what stands, a finer one for what moves. A few steps are
+//! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
+//! anew, on the CPU, and the tables stay.
+
+use super::{AntiradiancePipelines, GpuAntiradiance};
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use crate::gpu::bindings::{ComputeKernel, WORKGROUP, buffer, grid, group, part};
+use crate::gpu::scope::Scope;
+use crate::passes::timing::Stamps;
+use crate::scene::moving::Moving;
+use crate::scene::relight::Relight;
+use crate::scene::rig::GpuRig;
+use crate::scene::upload::Upload;
+use bytemuck::{Pod, Zeroable};
+use rebounce_shared::antiradiance::{Iteration, MovingElements, PointPatches, Serial, SolverSettings};
+use rebounce_shared::glam::Vec3;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use wgpu::BufferUsages;
+
+/// Most patches of what stands, and of what moves.
+const MOST: [usize; 2] = [2_048, 256];
+/// Steps of a frame.
+pub const STEPS: u32 = 4;
+/// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
+const ENOUGH: u32 = 20;
+/// No patch.
+const NONE: u32 = u32::MAX;
+
+/// `Points` in patch_points.wgsl.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct PointsUniform {
+    first: u32,
+    count: u32,
+    groups: u32,
+    pad: u32,
+}
+
+/// Bytes between the uniforms of two dispatches.
+const STRIDE: u64 = 256;
+
+/// A dispatch over points or patches: the place of its uniform, and its workgroups.
+#[derive(Clone, Copy, Debug)]
+struct PointsDispatch {
+    place: u32,
+    groups: [u32; 2],
+}
+
+/// What antiradiance takes for a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AntiradianceCounts {
+    /// Patches and clusters.
+    pub elements: usize,
+    /// Links between them.
+    pub links: usize,
+    /// Bins of directions.
+    pub bins: usize,
+    /// Steps since the scene was loaded, or was first lit this way.
+    pub iterations: u32,
+}
+
+/// The solver of a scene, with its light.
+pub struct SceneAntiradiance {
+    patches: PointPatches,
+    elements: RefCell<MovingElements>,
+    light: RefCell<GpuAntiradiance>,
+    counts: Cell<AntiradianceCounts>,
+    /// Steps still to take.
+    left: Cell<u32>,
+    /// Something has moved since the links were made.
+    is_unlinked: Cell<bool>,
+    point_of: wgpu::Buffer,
+    patch_of: wgpu::Buffer,
+    irradiance: wgpu::Buffer,
+    display: wgpu::Buffer,
+    push: [wgpu::Buffer; 2],
+    uniforms: wgpu::Buffer,
+    /// Over the patches.
+    lit: PointsDispatch,
+    /// By level, from the coarsest with patches on.
+    shown: Vec<PointsDispatch>,
+    own: Scope,
+}
+
+impl SceneAntiradiance {
+    /// Makes elements and links of a scene as it stands.
+    ///
+    /// # Errors
+    /// As [`GpuAntiradiance::new`].
+    pub fn new(
+        gpu: &Gpu,
+        pipelines: &AntiradiancePipelines,
+        (moving, rig): (&Moving, Option<&GpuRig>),
+        (upload, relight): (&Upload, &Relight),
+    ) -> Result<Self, ViewerError> {
+        let scene = moving.file();
+        let riders: HashMap<usize, [Vec3; 2]> = rig.map_or(HashMap::new(), GpuRig::ridden);
+        let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
+        let each = |call: &mut dyn FnMut([Vec3; 3], bool)| {
+            upload.triangles.each(|run, _, corners| call(corners, !run.one_sided));
+        };
+        let patches = PointPatches::new(scene, &moves, MOST, &each);
+        let settings = SolverSettings::default();
+        let motions = moving.motions();
+        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| moving.placed_point(&motions, i));
+        let there = patches.patches(&at);
+        let elements = MovingElements::new(there, patches.still, settings, &Serial);
+        let (light, counts) = {
+            let solver = elements.solver();
+            let light = GpuAntiradiance::new(gpu, pipelines, &solver, Iteration::Ordered)?;
+            let counts = AntiradianceCounts {
+                elements: solver.hierarchy.elements.len(),
+                links: solver.links,
+                bins: solver.bins.count(),
+                iterations: 0,
+            };
+            (light, counts)
+        };
+        let own = Scope::new(gpu);
+        let mut patch_of = vec![NONE; scene.points.len()];
+        for (number, point) in (0..).zip(&patches.points) {
+            patch_of[*point as usize] = number;
+        }
+        let stored = |label, content: &[u32]| {
+            buffer(&own, label, BufferUsages::STORAGE, bytemuck::cast_slice(content))
+        };
+        let (point_of, patch_of) =
+            (stored("points of patches", &patches.points), stored("patches of points", &patch_of));
+        let mut uniforms = Vec::new();
+        let mut dispatch = |first: usize, count: usize| {
+            let groups = grid((count as u32).div_ceil(WORKGROUP));
+            let place = uniforms.len() as u32;
+            let uniform =
+                PointsUniform { first: first as u32, count: count as u32, groups: groups[0], pad: 0 };
+            uniforms.extend_from_slice(bytemuck::bytes_of(&uniform));
+            uniforms.resize(uniforms.len().next_multiple_of(STRIDE as usize), 0);
+            PointsDispatch { place, groups }
+        };
+        let lit = dispatch(0, patches.points.len());
+        let coarsest = patches.points.iter().min().copied().unwrap_or(0) as usize;
+        let levels = (0..scene.meta.levels.len()).map(|level| scene.level(level));
+        let levels = levels.filter(|level| level.end > coarsest);
+        let shown = levels.map(|level| dispatch(level.start, level.len())).collect();
+        let uniforms = buffer(&own, "points", BufferUsages::UNIFORM, &uniforms);
+        Ok(Self {
+            patches,
+            elements: elements.into(),
+            light: light.into(),
+            counts: counts.into(),
+            left: ENOUGH.into(),
+            is_unlinked: false.into(),
+            point_of,
+            patch_of,
+            irradiance: relight.irradiance.clone(),
+            display: relight.display.clone(),
+            push: [upload.push_offsets.clone(), upload.push_entries.clone()],
+            uniforms,
+            lit,
+            shown,
+            own,
+        })
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes() + self.light.borrow().bytes()
+    }
+
+    /// Elements, links, bins and steps.
+    pub fn counts(&self) -> AntiradianceCounts {
+        self.counts.get()
+    }
+
+    /// Notes that the direct light at the points has changed.
+    pub fn relit(&self) {
+        self.left.set(ENOUGH);
+    }
+
+    /// Notes that nodes have moved, or that something has another pose.
+    pub fn moved(&self) {
+        self.is_unlinked.set(true);
+        self.left.set(ENOUGH);
+    }
+
+    /// Whether the displayed light is not yet that of lamps and places as they are.
+    pub fn is_solving(&self) -> bool {
+        self.left.get() > 0
+    }
+
+    /// Encodes some steps, and shows their light.
+    ///
+    /// # Errors
+    /// As [`GpuAntiradiance::new`]: what moves may have more links elsewhere.
+    pub fn solve(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &AntiradiancePipelines,
+        (moving, rig): (&Moving, Option<&GpuRig>),
+        stamps: Option<Stamps<'_>>,
+    ) -> Result<(), ViewerError> {
+        if self.is_unlinked.take() {
+            self.link(gpu, pipelines, (moving, rig))?;
+        }
+        let steps = self.left.get().min(STEPS);
+        self.left.set(self.left.get() - steps);
+        let mut light = self.light.borrow_mut();
+        let lit = [&self.point_of, &self.irradiance, light.direct()];
+        let begin = stamps.map(|stamps| stamps.compute(true, false));
+        self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[self.lit]);
+        (0..steps).for_each(|_| light.step(encoder, pipelines));
+        let [offsets, entries] = &self.push;
+        let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
+        let end = stamps.map(|stamps| stamps.compute(false, true));
+        self.run((gpu, encoder), end, &pipelines.show_patches, &shown, &self.shown);
+        let counts = self.counts.get();
+        self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
+        Ok(())
+    }
+
+    /// Makes the links of what moves where it is now.
+    fn link(
+        &self,
+        gpu: &Gpu,
+        pipelines: &AntiradiancePipelines,
+        (moving, rig): (&Moving, Option<&GpuRig>),
+    ) -> Result<(), ViewerError> {
+        let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
+        let mut elements = self.elements.borrow_mut();
+        let motions = moving.motions();
+        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| moving.placed_point(&motions, i));
+        let there = self.patches.patches(&at);
+        elements.follow(&there[self.patches.still..], &Serial);
+        let solver = elements.solver();
+        self.light.borrow_mut().follow(gpu, pipelines, &solver)?;
+        self.counts.set(AntiradianceCounts { links: solver.links, ..self.counts.get() });
+        Ok(())
+    }
+
+    fn run(
+        &self,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
+        stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+        (layout, pipeline): &ComputeKernel,
+        buffers: &[&wgpu::Buffer],
+        dispatches: &[PointsDispatch],
+    ) {
+        let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
+        resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+        let bound = group(gpu, "patches", layout, &resources);
+        let timed = wgpu::ComputePassDescriptor { label: Some("patches"), timestamp_writes: stamps };
+        let mut pass = encoder.begin_compute_pass(&timed);
+        pass.set_pipeline(pipeline);
+        for dispatch in dispatches {
+            pass.set_bind_group(0, &bound, &[dispatch.place]);
+            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+        }
+    }
+}
