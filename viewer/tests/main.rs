@@ -5,6 +5,8 @@ mod common;
 
 #[cfg(feature = "antiradiance")]
 mod antiradiance;
+#[cfg(feature = "antiradiance")]
+mod antiradiance_scene;
 mod area;
 mod blended;
 mod cached_direct;

@@ -72,7 +72,7 @@ fn linked_room() -> BakedScene {
 }
 
 /// As [`linked_room`], without links.
-fn room_with_panel() -> BakedScene {
+pub fn room_with_panel() -> BakedScene {
     let mut scene = linked_room();
     scene.meta.sender_levels = 3;
     scene.links = LinkMatrix::from_rows(&vec![Vec::new(); scene.points.len()]);
@@ -207,7 +207,7 @@ fn a_moved_panel_shades_what_it_stands_before() {
 }
 
 /// The renderer of a scene, and a picture of its bounced light.
-fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
+pub fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
     let pipelines = renderer.pipelines();
     let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
@@ -215,7 +215,7 @@ fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     renderer
 }
 
-fn indirect(renderer: &mut Renderer) -> Vec<u8> {
+pub fn indirect(renderer: &mut Renderer) -> Vec<u8> {
     let read = renderer.read_indirect(48, 32).unwrap();
     pollster::block_on(read.wait()).unwrap()
 }

@@ -39,7 +39,7 @@ fn track(target: RigTarget, interpolation: RigInterpolation, times: &[f32], valu
 }
 
 /// The room, with two of its walls in a rig. Animation 0 bends them, 1 shifts the skinned one.
-fn deforming_room() -> BakedScene {
+pub fn deforming_room() -> BakedScene {
     let mut scene = common::room(&[4, 8, 16]);
     let vertices =
         |wall: usize| (4 * wall as u32..4 * wall as u32 + 4).map(|i| (i, scene.vertices[i as usize]));

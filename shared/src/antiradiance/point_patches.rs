@@ -12,6 +12,9 @@ use std::ops::Range;
 /// Calls with the corners of every triangle, local space, and whether it has two sides.
 pub type EachTriangle<'a> = dyn Fn(&mut dyn FnMut([Vec3; 3], bool)) + 'a;
 
+/// Position and normal of a point, local space.
+pub type PointPlaces<'a> = dyn Fn(usize) -> [Vec3; 2] + 'a;
+
 /// Least cosine of normals of a point and of a surface that it stands for.
 const SAME: f32 = 0.5;
 /// Pieces of surface that are looked at for each patch.
@@ -34,13 +37,13 @@ pub struct PointPatches {
 }
 
 impl PointPatches {
-    /// Chooses the finest levels with at most `most` points that stand, and that move. Triangles are those
-    /// at rest.
+    /// Chooses the finest levels with at most `most` points that stand, and that move. `at` has where the points are on the
+    /// triangles.
     pub fn new(
         scene: &BakedScene,
         moves: &dyn Fn(usize) -> bool,
         most: [usize; 2],
-        each_triangle: &EachTriangle<'_>,
+        (each_triangle, at): (&EachTriangle<'_>, &PointPlaces<'_>),
     ) -> Self {
         let levels = || (0..scene.meta.levels.len()).map(|level| scene.level(level));
         let chosen = |kind: bool, most: usize| {
@@ -52,12 +55,13 @@ impl PointPatches {
         let still = points.len();
         points.extend(chosen(true, most[1]));
         let albedo = points.iter().map(|i| scene.albedo(*i as usize)).collect();
-        let areas = areas(scene, &points, each_triangle);
+        let places: Vec<[Vec3; 2]> = points.iter().map(|i| at(*i as usize)).collect();
+        let areas = areas(&places, each_triangle);
         Self { points, still, areas, albedo }
     }
 
     /// The patches, where `at` has the position and the normal of a point, local space.
-    pub fn patches(&self, at: &dyn Fn(usize) -> [Vec3; 2]) -> Vec<Patch> {
+    pub fn patches(&self, at: &PointPlaces<'_>) -> Vec<Patch> {
         let patch = |((point, area), albedo): ((&u32, &f32), &Vec3)| {
             let [position, normal] = at(*point as usize);
             Patch::around(position, normal, *area, *albedo)
@@ -66,24 +70,19 @@ impl PointPatches {
     }
 }
 
-/// Areas that points stand for: those of the pieces of surface nearest to each that face the same way.
-fn areas(scene: &BakedScene, points: &[u32], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
+/// Areas that points at `places` stand for: those of the pieces of surface nearest to each that face the same way.
+fn areas(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
     let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let mut whole = 0.0;
     each_triangle(&mut |corners, is_two_sided| whole += size(corners) * if is_two_sided { 2.0 } else { 1.0 });
-    let mean = whole / points.len().max(1) as f32;
+    let mean = whole / places.len().max(1) as f32;
     if mean <= 0.0 {
-        return vec![0.0; points.len()];
+        return vec![0.0; places.len()];
     }
     let side = CELL * mean.sqrt();
     let cell = |place: Vec3| (place / side).floor().as_ivec3();
     let mut grid: HashMap<IVec3, Vec<u32>> = HashMap::new();
-    let places: Vec<[Vec3; 2]> = points
-        .iter()
-        .map(|i| &scene.points[*i as usize])
-        .map(|point| [point.position(), point.normal()])
-        .collect();
-    for (number, [position, _]) in (0..).zip(&places) {
+    for (number, [position, _]) in (0..).zip(places) {
         grid.entry(cell(*position)).or_default().push(number);
     }
     let nearest = |place: Vec3, normal: Vec3| {
@@ -93,7 +92,7 @@ fn areas(scene: &BakedScene, points: &[u32], each_triangle: &EachTriangle<'_>) -
         let distance = |number: &u32| places[*number as usize][0].distance_squared(place);
         facing.min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
-    let mut out = vec![0.0f32; points.len()];
+    let mut out = vec![0.0f32; places.len()];
     let mut found = 0.0;
     let mut open = Vec::new();
     each_triangle(&mut |corners, is_two_sided| {

@@ -82,6 +82,10 @@ impl Renderer {
         }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
+            #[cfg(feature = "antiradiance")]
+            if let Some(own) = scene.antiradiance.get() {
+                own.darken(encoder);
+            }
             #[cfg(feature = "radiosity")]
             self.light_cube_maps(encoder, scene, None);
             return;

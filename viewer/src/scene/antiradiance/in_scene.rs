@@ -103,10 +103,12 @@ impl SceneAntiradiance {
         let each = |call: &mut dyn FnMut([Vec3; 3], bool)| {
             upload.triangles.each(|run, _, corners| call(corners, !run.one_sided));
         };
-        let patches = PointPatches::new(scene, &moves, MOST, &each);
-        let settings = SolverSettings::default();
         let motions = moving.motions();
-        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| moving.placed_point(&motions, i));
+        // The triangles on the CPU are where the nodes are, and in no pose.
+        let placed = |i: usize| moving.placed_point(&motions, i);
+        let patches = PointPatches::new(scene, &moves, MOST, (&each, &placed));
+        let settings = SolverSettings::default();
+        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| placed(i));
         let there = patches.patches(&at);
         let elements = MovingElements::new(there, patches.still, settings, &Serial);
         let (light, counts) = {
@@ -178,6 +180,12 @@ impl SceneAntiradiance {
     /// Notes that the direct light at the points has changed.
     pub fn relit(&self) {
         self.left.set(ENOUGH);
+    }
+
+    /// Encodes the end of all light: no lamp shines.
+    pub fn darken(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.light.borrow_mut().restart(encoder);
+        self.left.set(0);
     }
 
     /// Notes that nodes have moved, or that something has another pose.

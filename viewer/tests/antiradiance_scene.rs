@@ -1,0 +1,131 @@
+//! Antiradiance as the bounced light of a scene, beside the radiosity of the same scene, which casts rays.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use crate::common;
+use crate::radiosity::{indirect, renderer, room_with_panel};
+
+use rebounce_shared::antiradiance::PointPatches;
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::glam::{DQuat, Vec3};
+use rebounce_shared::motion::NodeMotion;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::settings::SolverChoice;
+
+/// Relative difference of the light of two solvers whose points are few.
+const CLOSE: f64 = 0.2;
+
+/// The light of a solver: linear radiance of the pixels.
+fn light(renderer: &mut Renderer, solver: SolverChoice) -> Vec<f32> {
+    renderer.set_solver(solver);
+    bytemuck::pod_collect_to_vec(&indirect(renderer))
+}
+
+/// Root mean square of the difference as a share of the second.
+fn apart(a: &[f32], b: &[f32]) -> f64 {
+    let sum = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let power = sum(&mut b.iter().map(|b| f64::from(*b)));
+    assert!(power > 0.0 && a.len() == b.len(), "nothing to compare");
+    (sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a - b))) / power).sqrt()
+}
+
+fn turned(degrees: f64) -> NodeMotion {
+    let rotation = DQuat::from_rotation_y(degrees.to_radians()).to_array();
+    NodeMotion { translation: [0.2, 0.3, -0.4], rotation, ..NodeMotion::default() }
+}
+
+#[test]
+fn its_light_is_near_that_of_radiosity_and_follows_a_node() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut ours = renderer(&gpu, &room_with_panel());
+    for motion in [NodeMotion::default(), turned(40.0)] {
+        ours.move_nodes(&[motion]).unwrap();
+        let traced = light(&mut ours, SolverChoice::Radiosity);
+        assert_eq!(ours.solver_in_use(), "radiosity");
+        let found = light(&mut ours, SolverChoice::Antiradiance);
+        assert_eq!((ours.solver_in_use(), ours.is_solving()), ("antiradiance", false));
+        println!("{motion:?}: apart by {}", apart(&found, &traced));
+        assert!(apart(&found, &traced) < CLOSE, "{}", apart(&found, &traced));
+    }
+    let counts = ours.antiradiance_counts().unwrap();
+    assert!(
+        counts.elements > 100 && counts.links > 1000 && counts.bins == 128 && counts.iterations > 20,
+        "{counts:?}"
+    );
+    gpu.check().unwrap();
+}
+
+#[test]
+fn light_after_motions_is_that_of_a_scene_loaded_there() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = room_with_panel();
+    let mut followed = renderer(&gpu, &scene);
+    let rest = light(&mut followed, SolverChoice::Antiradiance);
+    for degrees in [10.0, 70.0, 40.0] {
+        followed.move_nodes(&[turned(degrees)]).unwrap();
+        assert!(followed.is_solving());
+        light(&mut followed, SolverChoice::Antiradiance);
+    }
+    let mut anew = renderer(&gpu, &scene);
+    anew.move_nodes(&[turned(40.0)]).unwrap();
+    let expected = light(&mut anew, SolverChoice::Antiradiance);
+    let [same, moved] =
+        [light(&mut followed, SolverChoice::Antiradiance), rest].map(|it| apart(&it, &expected));
+    println!("after motions {same}, from rest {moved}");
+    assert!(same < 0.01 && moved > 0.03, "{same}, {moved}");
+    // Dark without light.
+    followed.set_lights(Vec::new()).unwrap();
+    let dark = light(&mut followed, SolverChoice::Antiradiance);
+    assert!(dark.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]), "it is not dark");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn patches_cover_the_surfaces_and_what_moves_has_its_own() {
+    let scene = room_with_panel();
+    let each = |call: &mut dyn FnMut([Vec3; 3], bool)| triangles(&scene, call);
+    let moves = |i: usize| scene.group_of(i) > 0;
+    // Six walls of two by two metres, and both sides of a panel of 80 cm.
+    for most in [[100, 20], [600, 40], [4000, 400]] {
+        let at = |i: usize| [scene.points[i].position(), scene.points[i].normal()];
+        let patches = PointPatches::new(&scene, &moves, most, (&each, &at));
+        let made = patches.patches(&at);
+        let area = |range: std::ops::Range<usize>| made[range].iter().map(|patch| patch.area()).sum::<f32>();
+        let [still, moving] = [area(0..patches.still), area(patches.still..made.len())];
+        println!("{} patches of {still} m², {} of {moving} m²", patches.still, made.len() - patches.still);
+        assert!((still - 24.0).abs() < 0.5 && (moving - 1.28).abs() < 0.1, "{still} {moving}");
+        assert!(patches.still <= most[0] && made.len() - patches.still <= most[1]);
+        assert!(patches.points[..patches.still].iter().all(|i| !moves(*i as usize)));
+        assert!(patches.points[patches.still..].iter().all(|i| moves(*i as usize)));
+    }
+}
+
+fn triangles(scene: &BakedScene, call: &mut dyn FnMut([Vec3; 3], bool)) {
+    for draw in &scene.meta.draws {
+        let first = draw.first_index as usize;
+        for corners in scene.indices[first..first + draw.index_count as usize].as_chunks::<3>().0 {
+            let places = corners.map(|i| Vec3::from(scene.vertices[i as usize].position));
+            call(places, scene.meta.materials[draw.material as usize].double_sided);
+        }
+    }
+}
+
+#[test]
+fn a_pose_takes_the_light_along() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = crate::rig::deforming_room();
+    scene.reflectance = vec![150; scene.points.len()];
+    let mut ours = renderer(&gpu, &scene);
+    if ours.scene().is_none_or(|scene| scene.moving.is_none()) {
+        panic!("the room cannot be solved");
+    }
+    let rest = light(&mut ours, SolverChoice::Antiradiance);
+    ours.pose(Some(0), 2.0).unwrap();
+    assert!(ours.is_solving(), "a pose changes nothing");
+    let posed = light(&mut ours, SolverChoice::Antiradiance);
+    ours.pose(None, 0.0).unwrap();
+    let again = light(&mut ours, SolverChoice::Antiradiance);
+    let [changed, same] = [&posed, &again].map(|it| apart(it, &rest));
+    println!("posed {changed}, at rest again {same}");
+    assert!(changed > 0.03 && same < 0.01, "{changed} {same}");
+    gpu.check().unwrap();
+}
