@@ -58,7 +58,8 @@ cargo xtask test [--long] [check|native|wasm|page|package|site|install|mpi [NAME
                      runs every test, those in the browser and of bakes over several processes included; or
                      one part. install, only by name: of the command, installed from its packages.
                      native NAME: tests whose path has NAME in it; page NAME: one of the files of web/test/page
-cargo xtask web      builds the viewer and its page into web/dist
+cargo xtask web [--quick]
+                     builds the viewer and its page into web/dist; --quick: for a test, without link-time optimisation
 cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
                      builds the site of web/site into target/site, and serves it on 127.0.0.1;
                      N samples a pixel for its path-traced pictures; --quick: coarse scenes, small pictures
@@ -157,7 +158,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("plot-jacobian") => plot_jacobian::run(),
         Some("refine") => refine::run(&args[1..]),
         Some("install") => install::all(),
-        Some("web") => web::build(web::Purpose::Publish),
+        Some("web") => web::build(web::Purpose::of(&args[1..])?),
         Some("npm") => npm::build(web::Purpose::Publish),
         Some("package") => package::run(),
         Some("site") => site::run(&args[1..]),

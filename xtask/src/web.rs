@@ -52,6 +52,18 @@ pub enum Purpose {
 }
 
 impl Purpose {
+    /// That of a command with these arguments: with `--quick`, tests.
+    ///
+    /// # Errors
+    /// For other arguments.
+    pub fn of(args: &[String]) -> Result<Self> {
+        match args {
+            [] => Ok(Self::Publish),
+            [quick] if quick == "--quick" => Ok(Self::Test),
+            _ => anyhow::bail!("there is --quick, and nothing else"),
+        }
+    }
+
     /// The profile, where `published` is that of what is published.
     pub fn profile(self, published: &'static str) -> &'static str {
         match self {
