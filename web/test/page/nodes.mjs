@@ -250,4 +250,36 @@ export async function nodes(harness, context) {
     },
     "attribute solver, property solver, event solver-change",
   );
+
+  await harness.test("nodes::antiradiance_lights_what_moves_and_says_what_it_takes", async () => {
+    const { page: linked, faults: seenFaults } = await opened("links.rbn");
+    const of = (solver) =>
+      linked.evaluate(async (solver) => {
+        viewer.solver = solver;
+        const found = await light();
+        return { found, stats: viewer.stats() };
+      }, solver);
+    const apart = (a, b) => linked.evaluate(([a, b]) => globalThis.apart(a, b), [a, b]);
+    const rest = await of("operator");
+    equal(rest.stats.antiradiance, undefined, "what antiradiance takes where it is not at work");
+    const still = await of("antiradiance");
+    equal(still.stats.solver, "antiradiance", "as the attribute says");
+    const { elements, links, bins, iterations } = still.stats.antiradiance;
+    console.log(`    ${elements} elements, ${links} links, ${bins} bins, ${iterations} steps; apart by ${await apart(still.found, rest.found)}`);
+    check(elements > 50 && links > elements && bins === 128 && iterations >= 20, JSON.stringify(still.stats.antiradiance));
+    check((await apart(still.found, rest.found)) < 0.25, "far from the operator's light");
+    await linked.evaluate(() => (viewer.nodes.block.translation = [0.8, 0, 0.3]));
+    const moved = await of("antiradiance");
+    const traced = await of("radiosity");
+    console.log(`    moved: apart by ${await apart(moved.found, traced.found)}, from rest by ${await apart(moved.found, still.found)}`);
+    check((await apart(moved.found, traced.found)) < 0.25, "far from the light of rays");
+    check((await apart(moved.found, still.found)) > 0.05, "the light does not follow");
+    // And drawn frame by frame it comes to an end.
+    await linked.evaluate(() => (viewer.solver = "antiradiance"));
+    await linked.evaluate(() => (viewer.nodes.block.translation = [0.4, 0, 0.3]));
+    check(await linked.evaluate(() => viewer.stats().solving), "nothing is on its way");
+    await within("the light", linked.evaluate(() => settled()));
+    equal(seenFaults.join("\n"), "", "faults");
+    await linked.close();
+  });
 }
