@@ -120,7 +120,8 @@ impl Renderer {
         let Some(pipelines) = self.pipelines.antiradiance.get() else { return };
         // What moves has more links than a buffer holds: the light stays that of the places before.
         let stamps = self.timing.as_mut().and_then(|timing| timing.stamps(Pass::Antiradiance));
-        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), stamps);
+        let both = [true, false].map(|begins| stamps.map(|stamps| stamps.compute(begins, !begins)));
+        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), both);
         scene.relight.show_sources(encoder);
         self.dirty.display = true;
     }

@@ -9,7 +9,6 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{ComputeKernel, WORKGROUP, buffer, grid, group, part};
 use crate::gpu::scope::Scope;
-use crate::passes::timing::Stamps;
 use crate::scene::moving::Moving;
 use crate::scene::relight::Relight;
 use crate::scene::rig::GpuRig;
@@ -199,7 +198,7 @@ impl SceneAntiradiance {
         self.left.get() > 0
     }
 
-    /// Encodes some steps, and shows their light.
+    /// Encodes some steps, and shows their light; timestamps are written at the begin of the first pass and the end of the last.
     ///
     /// # Errors
     /// As [`GpuAntiradiance::new`]: what moves may have more links elsewhere.
@@ -209,7 +208,7 @@ impl SceneAntiradiance {
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &AntiradiancePipelines,
         (moving, rig): (&Moving, Option<&GpuRig>),
-        stamps: Option<Stamps<'_>>,
+        [begin, end]: [Option<wgpu::ComputePassTimestampWrites<'_>>; 2],
     ) -> Result<(), ViewerError> {
         if self.is_unlinked.take() {
             self.link(gpu, pipelines, (moving, rig))?;
@@ -218,12 +217,10 @@ impl SceneAntiradiance {
         self.left.set(self.left.get() - steps);
         let mut light = self.light.borrow_mut();
         let lit = [&self.point_of, &self.irradiance, light.direct()];
-        let begin = stamps.map(|stamps| stamps.compute(true, false));
         self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[self.lit]);
         (0..steps).for_each(|_| light.step(encoder, pipelines));
         let [offsets, entries] = &self.push;
         let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
-        let end = stamps.map(|stamps| stamps.compute(false, true));
         self.run((gpu, encoder), end, &pipelines.show_patches, &shown, &self.shown);
         let counts = self.counts.get();
         self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
