@@ -1,6 +1,6 @@
 //! Bounced light around a walking figure, by several ways, against path tracing, as a table of Markdown:
 //!
-//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`
+//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`, or `walking --write FILE.glb` for the figure alone.
 //!
 //! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at random patches of the room, of
 //! antiradiance the mean of near patches, as points of a file have it:
@@ -59,14 +59,17 @@ fn main() -> Result<()> {
     let (mut poses, mut bins, mut elements, mut functions) = (10, 128, 6_000, 6_000);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let number = arguments.next().with_context(|| format!("{argument} needs a number"))?;
+        let number = arguments.next().with_context(|| format!("{argument} needs a value"))?;
+        if argument == "--write" {
+            return std::fs::write(&number, figure::glb()).context(number);
+        }
         let number: usize = number.parse().with_context(|| number)?;
         match argument.as_str() {
             "--poses" => poses = number,
             "--bins" => bins = number,
             "--elements" => elements = number,
             "--functions" => functions = number,
-            _ => anyhow::bail!("there are --poses, --bins, --elements and --functions"),
+            _ => anyhow::bail!("there are --poses, --bins, --elements, --functions and --write"),
         }
     }
     let room = Room::new(bins, elements, functions)?;
