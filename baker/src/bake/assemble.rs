@@ -99,7 +99,8 @@ pub(super) fn assemble(
         groups: scene.groups.clone(),
         point_groups: if scene.groups.is_empty() { Vec::new() } else { points.groups() },
         reflectance: match settings.solver {
-            BakeSolver::Operator if scene.groups.nodes.is_empty() => Vec::new(),
+            // Nothing moves.
+            BakeSolver::Operator if scene.groups.nodes.is_empty() && scene.rig.is_empty() => Vec::new(),
             _ => operator.reflectance.clone(),
         },
         light_groups: LightGroups::default(),

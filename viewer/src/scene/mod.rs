@@ -248,10 +248,12 @@ impl GpuScene {
         // Maps show where things stand.
         #[cfg(feature = "radiosity")]
         let cube_maps =
-            loaders.gloss.get().filter(|_| gloss.is_some() && moving.is_none()).and_then(|kernels| {
-                let made = kernels.cube_maps.get_or_init(|| CubeMapKernels::new(gpu));
-                gpu.watch(|| GpuCubeMaps::new(gpu, made, (loaders.relight, &relight), &scene))
-            });
+            loaders.gloss.get().filter(|_| gloss.is_some() && !has_nodes(moving.as_ref())).and_then(
+                |kernels| {
+                    let made = kernels.cube_maps.get_or_init(|| CubeMapKernels::new(gpu));
+                    gpu.watch(|| GpuCubeMaps::new(gpu, made, (loaders.relight, &relight), &scene))
+                },
+            );
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
@@ -315,6 +317,12 @@ fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
         }
     }
     f32::from_bits(bits)
+}
+
+/// Whether a node may move.
+#[cfg(feature = "radiosity")]
+fn has_nodes(moving: Option<&Moving>) -> bool {
+    moving.is_some_and(|moving| moving.names().next().is_some())
 }
 
 /// Bounds of the scene with all poses of what deforms.
