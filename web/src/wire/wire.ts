@@ -150,7 +150,7 @@ export function setShot(viewer: Viewer, shot: Shot): void {
   const { emission = 1, mix = [], move, animation, time, gloss = false } = member("shot", shot) as unknown as Shot;
   if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
   const { moving } = viewer;
-  if (!moving && (move ?? animation ?? time) !== undefined) throw wrong(move ? "move" : "animation", "nothing of this file can move");
+  if (!moving && (move ?? animation ?? time) !== undefined) throw wrong("move", "nothing can move");
   moving?.check(shot);
   const before = mixIn(viewer);
   const lights = completed(viewer, shot);
