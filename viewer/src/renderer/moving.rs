@@ -115,11 +115,12 @@ impl Renderer {
 
     /// Takes some steps of antiradiance.
     #[cfg(feature = "antiradiance")]
-    fn step_antiradiance(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
+    fn step_antiradiance(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene, timed: bool) {
         let Some((own, moving)) = scene.by_antiradiance().zip(scene.moving.as_ref()) else { return };
         let Some(pipelines) = self.pipelines.antiradiance.get() else { return };
         // What moves has more links than a buffer holds: the light stays that of the places before.
-        let stamps = self.timing.as_mut().and_then(|timing| timing.stamps(Pass::Antiradiance));
+        let timing = self.timing.as_mut().filter(|_| timed);
+        let stamps = timing.and_then(|timing| timing.stamps(Pass::Antiradiance));
         let both = [true, false].map(|begins| stamps.map(|stamps| stamps.compute(begins, !begins)));
         let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), both);
         scene.relight.show_sources(encoder);
@@ -226,7 +227,7 @@ impl Renderer {
     pub(super) fn solve(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
         #[cfg(feature = "antiradiance")]
         if scene.by_antiradiance().is_some_and(SceneAntiradiance::is_solving) {
-            return self.step_antiradiance(encoder, scene);
+            return self.step_antiradiance(encoder, scene, true);
         }
         let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         self.slice.is_timed = moving.is_solving() && !self.dirty.view && !self.dirty.display;
@@ -239,7 +240,7 @@ impl Renderer {
     pub(super) fn solve_all(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
         #[cfg(feature = "antiradiance")]
         while scene.by_antiradiance().is_some_and(SceneAntiradiance::is_solving) {
-            self.step_antiradiance(encoder, scene);
+            self.step_antiradiance(encoder, scene, false);
         }
         let Some((moving, pipelines)) = solving(&self.pipelines, scene) else { return };
         while moving.is_solving() {

@@ -211,7 +211,8 @@ impl SceneAntiradiance {
         [begin, end]: [Option<wgpu::ComputePassTimestampWrites<'_>>; 2],
     ) -> Result<(), ViewerError> {
         if self.is_unlinked.take() {
-            self.link(gpu, pipelines, (moving, rig))?;
+            // Without links there is nothing to wait for.
+            self.link(gpu, pipelines, (moving, rig)).inspect_err(|_| self.left.set(0))?;
         }
         let steps = self.left.get().min(STEPS);
         self.left.set(self.left.get() - steps);
