@@ -147,10 +147,11 @@ export function shotIn(viewer: Viewer): Shot {
 
 /** Sets camera, lights and mix, or none. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
-  const { emission = 1, mix = [], move, animation, time, gloss = false } = member("shot", shot) as unknown as Shot;
+  const { emission = 1, mix = [], gloss = false } = member("shot", shot) as unknown as Shot;
   if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
   const { moving } = viewer;
-  if (!moving && (move ?? animation ?? time) !== undefined) throw wrong("move", "nothing can move");
+  // Nothing of this file moves or deforms.
+  if (!moving && (shot.move || shot.animation || shot.time)) throw wrong("move", "must be absent");
   moving?.check(shot);
   const before = mixIn(viewer);
   const lights = completed(viewer, shot);
