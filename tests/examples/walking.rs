@@ -190,25 +190,24 @@ impl Room {
         self.patches.par_iter().map(at).collect()
     }
 
-    /// Means of the values of near patches of the room.
+    /// Means of the values of near patches of the room, at its patches.
     fn smooth(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
-        let area: f32 = places.iter().map(|place| place.area).sum();
-        let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
-        let at = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
-        self.patches.par_iter().map(at).collect()
+        self.means(values, self.patches.iter().map(|patch| [patch.position(), patch.normal]).collect())
     }
 
     /// Values of patches of the room at the points that direct light is evaluated at.
     fn at_points(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let points = &self.baked.points[..self.baked.direct_count()];
+        self.means(values, points.iter().map(|point| [point.position(), point.normal()]).collect())
+    }
+
+    /// Means of the values of near patches, at places with normals.
+    fn means(&self, values: &[Vec3], at: Vec<[Vec3; 2]>) -> Vec<Vec3> {
         let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
         let area: f32 = places.iter().map(|place| place.area).sum();
         let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
-        let points = &self.baked.points[..self.baked.direct_count()];
-        let at = |point: &rebounce_shared::rbn::bulk::Point| {
-            near.mean(point.position(), point.normal(), values).unwrap_or(Vec3::ZERO)
-        };
-        points.par_iter().map(at).collect()
+        let mean = |[place, normal]: &[Vec3; 2]| near.mean(*place, *normal, values).unwrap_or(Vec3::ZERO);
+        at.par_iter().map(mean).collect()
     }
 
     /// The operator's light, what the figure changes of one transport of it, and the bounces of that change.

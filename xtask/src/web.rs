@@ -91,7 +91,7 @@ pub fn build(purpose: Purpose) -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    // Each has a profile of its own, and links with one core.
+    // As they are published, each has a profile of its own, and links with one core.
     std::thread::scope(|scope| {
         let bakers = scope.spawn(|| bakers(toolchain, purpose, &pkg));
         let renderers = renderers(toolchain, purpose, &pkg);

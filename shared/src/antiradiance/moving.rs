@@ -12,7 +12,7 @@ use super::solve::{AntiradianceSolver, SolverSettings};
 use super::transfers::{Exchange, Transfers};
 use super::workers::Workers;
 
-/// Elements 1 and 2 where some patches stand and others move: see [`Hierarchy::parted`].
+/// Roots of the static and of the moving subtree in a [`Hierarchy::parted`].
 const STILL: usize = 1;
 const MOVING: usize = 2;
 
@@ -71,7 +71,7 @@ impl MovingElements {
         self.link(workers);
     }
 
-    /// All patches: those that stand, then those that move.
+    /// Patches: static ones first, then moving ones.
     pub fn patches(&self) -> &[Patch] {
         &self.patches
     }

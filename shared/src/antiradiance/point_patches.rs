@@ -24,7 +24,7 @@ const CELL: f32 = 2.0;
 /// Least area of a patch, as a share of the mean.
 const LEAST: f32 = 0.05;
 
-/// Points that are patches: those that stand, then those that move.
+/// Points with a patch each: static ones first, then moving ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointPatches {
     /// Number of the point of each patch.
@@ -62,11 +62,20 @@ impl PointPatches {
 
     /// The patches, where `at` has the position and the normal of a point, local space.
     pub fn patches(&self, at: &PointPlaces<'_>) -> Vec<Patch> {
-        let patch = |((point, area), albedo): ((&u32, &f32), &Vec3)| {
-            let [position, normal] = at(*point as usize);
-            Patch::around(position, normal, *area, *albedo)
+        self.of(0..self.points.len(), at)
+    }
+
+    /// Those of [`Self::patches`] that move.
+    pub fn moving(&self, at: &PointPlaces<'_>) -> Vec<Patch> {
+        self.of(self.still..self.points.len(), at)
+    }
+
+    fn of(&self, numbers: Range<usize>, at: &PointPlaces<'_>) -> Vec<Patch> {
+        let patch = |i: usize| {
+            let [position, normal] = at(self.points[i] as usize);
+            Patch::around(position, normal, self.areas[i], self.albedo[i])
         };
-        self.points.iter().zip(&self.areas).zip(&self.albedo).map(patch).collect()
+        numbers.map(patch).collect()
     }
 }
 

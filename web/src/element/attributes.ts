@@ -6,7 +6,7 @@ import { ElementBase } from "./element.js";
 export type Mode = "all" | "direct" | "indirect";
 /** What is drawn over the picture. */
 export type Overlay = "none" | "points" | "levels";
-/** What computes bounced light: what suits the scene as it stands, the file's operator, or radiosity. */
+/** What computes bounced light: what suits the scene as it stands, the file's operator, radiosity, or antiradiance. */
 export type SolverChoice = "auto" | "operator" | "radiosity" | "antiradiance";
 /** What is behind an object: a grey and the object's shadow on the ground, or black. */
 export type Backdrop = "auto" | "none";

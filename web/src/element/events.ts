@@ -19,7 +19,7 @@ export interface RebounceEventMap {
   "light-change": CustomEvent<{ lights: Light[] }>;
   /** Nodes have moved, by hand, by script or by an animation. */
   "node-change": CustomEvent<{ nodes: Nodes }>;
-  /** Something else computes bounced light: what moves is lit by radiosity, and the operator returns. */
+  /** Another solver computes bounced light: radiosity while a node is elsewhere, or the one of the attribute. */
   "solver-change": CustomEvent<{ solver: Solver }>;
   /** The light mixer has changed, by hand or by script. */
   "mix-change": CustomEvent<{ mix: Channel[] }>;

@@ -2,6 +2,7 @@
 
 import type { LightAnimation } from "../animation/animation.js";
 import type { AttributeElement } from "../element/attributes.js";
+import type { ShotMotion } from "../nodes/moving.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Channel, Light, Shot } from "../wire/shot.js";
 import { setMix } from "../wire/mix.js";
@@ -19,7 +20,7 @@ export interface Pending {
   /** The exposure that the scene began with. */
   measured?: number;
   /** Where nodes were, and the pose. */
-  moved?: Pick<Shot, "move" | "animation" | "time"> | undefined;
+  moved?: ShotMotion | undefined;
 }
 
 /** Hands over camera, lights and exposure. Throws what the viewer refuses. */

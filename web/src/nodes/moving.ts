@@ -55,9 +55,8 @@ export class Moving implements AnimatedNodes {
   /** Puts the nodes where an animation has them; `value` is that of a track at the moment. */
   play({ tracks }: LightAnimation, value: (track: LightAnimation["tracks"][number]) => number[]): void {
     const { nodes } = this;
-    const poses = posesIn(this.#viewer);
     for (const track of tracks) {
-      if (track.property === "pose") this.#viewer.setPose(poses.indexOf(track.node), value(track)[0] as number);
+      if (track.property === "pose") this.#viewer.setPose(posesIn(this.#viewer).indexOf(track.node), value(track)[0] as number);
       const node = nodes[track.node ?? ""];
       if (node && track.property !== "pose") Object.assign(node, { [track.property]: value(track) });
     }

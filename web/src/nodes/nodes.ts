@@ -9,8 +9,11 @@ const NUMBERS = 7;
 /** A node that is where the file has it. */
 const REST = [0, 0, 0, 0, 0, 0, 1];
 
+/** The names of a zero-terminated list. */
+export const listed = (names: string): string[] => names.split("\0").slice(0, -1);
+
 /** Names of the nodes, in their order. */
-export const namesIn = (viewer: Viewer): string[] => viewer.nodeNames().split("\0").slice(0, -1);
+export const namesIn = (viewer: Viewer): string[] => listed(viewer.nodeNames());
 
 /** The nodes of a viewer's scene; what is set moves them. Of nodes of one name the first counts. */
 export function nodesOf(viewer: Viewer): Nodes {

@@ -2,6 +2,7 @@
 
 import type { Viewer } from "../rebounce_radiosity.js";
 import { number, wrong } from "../wire/check.js";
+import { listed } from "./nodes.js";
 
 /** Place of an animation in the file's list, and seconds. */
 export type Pose = [animation: number, time: number];
@@ -10,7 +11,7 @@ export type Pose = [animation: number, time: number];
 export const REST: Pose = [-1, 0];
 
 /** Names of the animations that deform something, in their order. */
-export const posesIn = (viewer: Viewer): string[] => viewer.poseNames().split("\0").slice(0, -1);
+export const posesIn = (viewer: Viewer): string[] => listed(viewer.poseNames());
 
 /** The pose of a shot: its animation by name or number, the first one without. Throws `bad-json` for one that the file has not. */
 export function poseOf(viewer: Viewer, animation?: string, time?: number): Pose {

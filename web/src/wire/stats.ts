@@ -3,7 +3,7 @@
 /** What computes bounced light. */
 export type Solver = "operator" | "radiosity" | "antiradiance";
 
-/** What antiradiance takes. */
+/** Size of antiradiance's problem, and its steps. */
 export interface AntiradianceStats {
   /** Patches and clusters. */
   elements: number;

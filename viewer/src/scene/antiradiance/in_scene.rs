@@ -4,10 +4,10 @@
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
 //! anew, on the CPU, and the tables stay.
 
-use super::{AntiradiancePipelines, GpuAntiradiance};
+use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{ComputeKernel, WORKGROUP, buffer, grid, group, part};
+use crate::gpu::bindings::{ComputeKernel, buffer, group, part};
 use crate::gpu::scope::Scope;
 use crate::scene::moving::Moving;
 use crate::scene::relight::Relight;
@@ -20,10 +20,10 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use wgpu::BufferUsages;
 
-/// Most patches of what stands, and of what moves.
+/// Greatest number of patches: of static surfaces, and of moving ones.
 const MOST: [usize; 2] = [2_048, 256];
 /// Steps of a frame.
-pub const STEPS: u32 = 4;
+const STEPS: u32 = 4;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
 const ENOUGH: u32 = 20;
 /// No patch.
@@ -39,17 +39,7 @@ pub(super) struct PointsUniform {
     pad: u32,
 }
 
-/// Bytes between the uniforms of two dispatches.
-const STRIDE: u64 = 256;
-
-/// A dispatch over points or patches: the place of its uniform, and its workgroups.
-#[derive(Clone, Copy, Debug)]
-struct PointsDispatch {
-    place: u32,
-    groups: [u32; 2],
-}
-
-/// What antiradiance takes for a scene.
+/// Size of the problem, and the steps solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AntiradianceCounts {
     /// Patches and clusters.
@@ -79,9 +69,9 @@ pub struct SceneAntiradiance {
     push: [wgpu::Buffer; 2],
     uniforms: wgpu::Buffer,
     /// Over the patches.
-    lit: PointsDispatch,
+    lit: BinsDispatch,
     /// By level, from the coarsest with patches on.
-    shown: Vec<PointsDispatch>,
+    shown: Vec<BinsDispatch>,
     own: Scope,
 }
 
@@ -97,18 +87,17 @@ impl SceneAntiradiance {
         (upload, relight): (&Upload, &Relight),
     ) -> Result<Self, ViewerError> {
         let scene = moving.file();
-        let riders: HashMap<usize, [Vec3; 2]> = rig.map_or(HashMap::new(), GpuRig::ridden);
+        let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
         let each = |call: &mut dyn FnMut([Vec3; 3], bool)| {
             upload.triangles.each(|run, _, corners| call(corners, !run.one_sided));
         };
         let motions = moving.motions();
         // The triangles on the CPU are where the nodes are, and in no pose.
-        let placed = |i: usize| moving.placed_point(&motions, i);
-        let patches = PointPatches::new(scene, &moves, MOST, (&each, &placed));
+        let patches =
+            PointPatches::new(scene, &moves, MOST, (&each, &|point| moving.placed_point(&motions, point)));
         let settings = SolverSettings::default();
-        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| placed(i));
-        let there = patches.patches(&at);
+        let there = patches.patches(&places(moving, &riders));
         let elements = MovingElements::new(there, patches.still, settings, &Serial);
         let (light, counts) = {
             let solver = elements.solver();
@@ -131,22 +120,17 @@ impl SceneAntiradiance {
         };
         let (point_of, patch_of) =
             (stored("points of patches", &patches.points), stored("patches of points", &patch_of));
-        let mut uniforms = Vec::new();
+        let mut uniforms = Uniforms::default();
         let mut dispatch = |first: usize, count: usize| {
-            let groups = grid((count as u32).div_ceil(WORKGROUP));
-            let place = uniforms.len() as u32;
-            let uniform =
-                PointsUniform { first: first as u32, count: count as u32, groups: groups[0], pad: 0 };
-            uniforms.extend_from_slice(bytemuck::bytes_of(&uniform));
-            uniforms.resize(uniforms.len().next_multiple_of(STRIDE as usize), 0);
-            PointsDispatch { place, groups }
+            let (first, all) = (first as u32, count as u32);
+            uniforms.dispatch(count, |groups| PointsUniform { first, count: all, groups, pad: 0 })
         };
         let lit = dispatch(0, patches.points.len());
         let coarsest = patches.points.iter().min().copied().unwrap_or(0) as usize;
         let levels = (0..scene.meta.levels.len()).map(|level| scene.level(level));
         let levels = levels.filter(|level| level.end > coarsest);
         let shown = levels.map(|level| dispatch(level.start, level.len())).collect();
-        let uniforms = buffer(&own, "points", BufferUsages::UNIFORM, &uniforms);
+        let uniforms = buffer(&own, "points", BufferUsages::UNIFORM, &uniforms.0);
         Ok(Self {
             patches,
             elements: elements.into(),
@@ -237,10 +221,7 @@ impl SceneAntiradiance {
     ) -> Result<(), ViewerError> {
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let mut elements = self.elements.borrow_mut();
-        let motions = moving.motions();
-        let at = |i: usize| riders.get(&i).copied().unwrap_or_else(|| moving.placed_point(&motions, i));
-        let there = self.patches.patches(&at);
-        elements.follow(&there[self.patches.still..], &Serial);
+        elements.follow(&self.patches.moving(&places(moving, &riders)), &Serial);
         let solver = elements.solver();
         self.light.borrow_mut().follow(gpu, pipelines, &solver)?;
         self.counts.set(AntiradianceCounts { links: solver.links, ..self.counts.get() });
@@ -253,7 +234,7 @@ impl SceneAntiradiance {
         stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
         (layout, pipeline): &ComputeKernel,
         buffers: &[&wgpu::Buffer],
-        dispatches: &[PointsDispatch],
+        dispatches: &[BinsDispatch],
     ) {
         let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
         resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
@@ -266,4 +247,10 @@ impl SceneAntiradiance {
             pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
         }
     }
+}
+
+/// Places of points where their nodes are; `riders` have those of points on what deforms.
+fn places<'a>(moving: &'a Moving, riders: &'a HashMap<usize, [Vec3; 2]>) -> impl Fn(usize) -> [Vec3; 2] + 'a {
+    let motions = moving.motions();
+    move |point| riders.get(&point).copied().unwrap_or_else(|| moving.placed_point(&motions, point))
 }

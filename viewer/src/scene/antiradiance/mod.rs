@@ -14,7 +14,7 @@
 mod in_scene;
 mod pipelines;
 
-pub use in_scene::{AntiradianceCounts, STEPS, SceneAntiradiance};
+pub use in_scene::{AntiradianceCounts, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
 
 use crate::error::ViewerError;
@@ -49,6 +49,21 @@ const CELL: u64 = 8;
 struct BinsDispatch {
     place: u32,
     groups: [u32; 2],
+}
+
+/// Uniforms of dispatches, [`STRIDE`] bytes each.
+#[derive(Default)]
+struct Uniforms(Vec<u8>);
+
+impl Uniforms {
+    /// Adds a dispatch of so many threads; `uniform` gets the number of workgroups in x.
+    fn dispatch<U: Pod>(&mut self, threads: usize, uniform: impl FnOnce(u32) -> U) -> BinsDispatch {
+        let place = self.0.len() as u32;
+        let groups = grid((threads as u32).div_ceil(WORKGROUP));
+        self.0.extend_from_slice(bytemuck::bytes_of(&uniform(groups[0])));
+        self.0.resize(self.0.len().next_multiple_of(STRIDE as usize), 0);
+        BinsDispatch { place, groups }
+    }
 }
 
 /// Patches and clusters of a scene, their links, and the light of the steps so far.
@@ -122,15 +137,10 @@ impl GpuAntiradiance {
             solid_angle: solver.bins.solid_angle(),
             ..BinsUniform::default()
         };
-        let mut uniforms = Vec::new();
+        let mut uniforms = Uniforms::default();
         let mut dispatch = |range: Range<usize>, threads: usize| {
-            let place = uniforms.len() as u32;
-            let groups = grid((threads as u32).div_ceil(WORKGROUP));
             let (first, count) = (range.start as u32, range.len() as u32);
-            let uniform = BinsUniform { first, count, groups: groups[0], ..constants };
-            uniforms.extend_from_slice(bytemuck::bytes_of(&uniform));
-            uniforms.resize(uniforms.len().next_multiple_of(STRIDE as usize), 0);
-            BinsDispatch { place, groups }
+            uniforms.dispatch(threads, |groups| BinsUniform { first, count, groups, ..constants })
         };
         let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
         let levels = levels.map(|level| dispatch(level.clone(), level.len() * bins)).collect();
@@ -141,7 +151,7 @@ impl GpuAntiradiance {
             dispatch(items.clone(), items.len())
         });
         let waves = waves.collect();
-        let uniforms = buffer(&own, "passes", BufferUsages::UNIFORM, &uniforms);
+        let uniforms = buffer(&own, "passes", BufferUsages::UNIFORM, &uniforms.0);
 
         let make = |label: &str, layout, buffers: &[&wgpu::Buffer]| {
             let mut resources = vec![part(&uniforms, size_of::<BinsUniform>() as u64)];
