@@ -63,7 +63,7 @@ fn row(
 ) -> Result<String> {
     let scene = rebounce::io::load(name)?;
     let surfaces = TriangleSurfaces::simplified(&scene);
-    let patches = patches_of(&scene, settings.patches());
+    let patches = patches_of(&scene, settings.patches(), false);
     let settings = &settings.solver;
     let lamps = Lighting::new(&scene.lights, None, scene.origin, 0).lamps;
     let direct: Vec<Vec3> = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
@@ -71,11 +71,11 @@ fn row(
     let solver = AntiradianceSolver::new(&patches, settings, &Pool);
     let linked = began.elapsed().as_secs_f64();
     let began = Instant::now();
-    let (truth, _) = solver.solve(&direct, settings, &Pool, &mut ());
+    let (truth, _) = solver.solve(&solver.even_light(direct.clone()), settings, &Pool, &mut ());
     let on_cpu = began.elapsed().as_secs_f64() / f64::from(settings.iterations);
 
     let mut light = GpuAntiradiance::new(gpu, pipelines, &solver, settings.iteration)?;
-    light.set_direct(gpu, &direct);
+    light.set_direct(gpu, &solver.even_light(direct));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     light.restart(&mut encoder);
     gpu.queue.submit([encoder.finish()]);

@@ -24,6 +24,7 @@ use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::near::{AreaPoint, Near};
 use rebounce::transport::antiradiance::{Pool, patches_of};
+use rebounce_shared::antiradiance::lobe::Leaving;
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
 use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings};
 use rebounce_shared::baked::BakedScene;
@@ -103,7 +104,7 @@ impl Room {
         let points = finest
             .map(|point| AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 })
             .collect();
-        let patches = patches_of(&scene, elements);
+        let patches = patches_of(&scene, elements, false);
         let settings = SolverSettings { bins, ..SolverSettings::default() };
         Ok(Self { scene, baked, patches, points, settings })
     }
@@ -127,8 +128,9 @@ impl Room {
         let by_operator = self.operator(&surfaces, &lamps);
         let alone = AntiradianceSolver::new(&self.patches, &self.settings, &Pool);
         let both = AntiradianceSolver::new(&patches, &self.settings, &Pool);
-        let without = alone.solve(&direct[..count], &self.settings, &Pool, &mut ()).0;
-        let with = both.solve(&direct, &self.settings, &Pool, &mut ()).0;
+        let without =
+            alone.solve(&alone.even_light(direct[..count].to_vec()), &self.settings, &Pool, &mut ()).0;
+        let with = both.solve(&both.even_light(direct.clone()), &self.settings, &Pool, &mut ()).0;
         let change: Vec<Vec3> = (0..count).map(|i| with[i] - without[i]).collect();
         let change = self.smooth(&change);
         let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + change[i]).collect();
@@ -168,7 +170,7 @@ impl Room {
         let at = DVec3::new(0.5, 0.0, -4.9);
         let shift = (DVec3::from(figure.origin) + at - DVec3::from(self.scene.origin)).as_vec3();
         let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
-        let patches = patches_of(&figure, 1).into_iter().map(moved).collect();
+        let patches = patches_of(&figure, 1, false).into_iter().map(moved).collect();
         let mut whole = self.scene.clone();
         whole.add(figure, at)?;
         Ok((whole, patches))
@@ -263,7 +265,8 @@ fn transported(solver: &AntiradianceSolver<'_>, given: &[Vec3], direct: &[Vec3])
                 FRAC_1_PI * patches[i].albedo * light
             })
             .collect();
-        sweep.run(&scene, &radiance, &mut table, &Pool);
+        let leaving = Leaving { matt: &radiance, lobes: &[], bins: bins.count() };
+        sweep.run(&scene, &leaving, &mut table, &Pool);
         Sweep::irradiance(&scene, &table, &mut found, &Pool);
     }
     found

@@ -4,9 +4,10 @@
 use crate::common;
 use crate::radiosity::{indirect, renderer, room_with_panel};
 
-use rebounce_shared::antiradiance::PointPatches;
+use rebounce_shared::antiradiance::{PointPatches, SceneTriangle};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::{DQuat, Vec3};
+use rebounce_shared::light::Light;
 use rebounce_shared::motion::NodeMotion;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::settings::SolverChoice;
@@ -14,10 +15,11 @@ use rebounce_viewer::settings::SolverChoice;
 /// Relative difference of the light of two solvers whose points are few.
 const CLOSE: f64 = 0.2;
 
-/// The light of a solver: linear radiance of the pixels.
+/// The light of a solver: linear radiance of the pixels, RGB.
 fn light(renderer: &mut Renderer, solver: SolverChoice) -> Vec<f32> {
     renderer.set_solver(solver);
-    bytemuck::pod_collect_to_vec(&indirect(renderer))
+    let pixels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&indirect(renderer));
+    pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
 }
 
 /// Root mean square of the difference as a share of the second.
@@ -75,20 +77,21 @@ fn light_after_motions_is_that_of_a_scene_loaded_there() {
     // Dark without light.
     followed.set_lights(Vec::new()).unwrap();
     let dark = light(&mut followed, SolverChoice::Antiradiance);
-    assert!(dark.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]), "it is not dark");
+    assert!(dark.iter().all(|value| *value == 0.0), "it is not dark");
     gpu.check().unwrap();
 }
 
 #[test]
 fn patches_cover_the_surfaces_and_what_moves_has_its_own() {
     let scene = room_with_panel();
-    let each = |call: &mut dyn FnMut([Vec3; 3], bool)| triangles(&scene, call);
+    let each = |call: &mut dyn FnMut(SceneTriangle)| triangles(&scene, call);
     let moves = |i: usize| scene.group_of(i) > 0;
     // Six walls of two by two metres, and both sides of a panel of 80 cm.
     for most in [[100, 20], [600, 40], [4000, 400]] {
         let at = |i: usize| [scene.points[i].position(), scene.points[i].normal()];
         let patches = PointPatches::new(&scene, &moves, most, (&each, &at));
         let made = patches.patches(&at);
+        assert!(made.iter().enumerate().all(|(i, patch)| patch.roughness.is_some() == (i >= patches.still)));
         let area = |range: std::ops::Range<usize>| made[range].iter().map(|patch| patch.area()).sum::<f32>();
         let [still, moving] = [area(0..patches.still), area(patches.still..made.len())];
         println!("{} patches of {still} m², {} of {moving} m²", patches.still, made.len() - patches.still);
@@ -99,14 +102,43 @@ fn patches_cover_the_surfaces_and_what_moves_has_its_own() {
     }
 }
 
-fn triangles(scene: &BakedScene, call: &mut dyn FnMut([Vec3; 3], bool)) {
+fn triangles(scene: &BakedScene, call: &mut dyn FnMut(SceneTriangle)) {
     for draw in &scene.meta.draws {
         let first = draw.first_index as usize;
         for corners in scene.indices[first..first + draw.index_count as usize].as_chunks::<3>().0 {
-            let places = corners.map(|i| Vec3::from(scene.vertices[i as usize].position));
-            call(places, scene.meta.materials[draw.material as usize].double_sided);
+            let corners = corners.map(|i| Vec3::from(scene.vertices[i as usize].position));
+            let is_two_sided = scene.meta.materials[draw.material as usize].double_sided;
+            // The panel is metal.
+            call(SceneTriangle { corners, is_two_sided, roughness: is_two_sided.then_some(0.3) });
         }
     }
+}
+
+#[test]
+fn a_metal_under_a_spot_throws_its_light_elsewhere_than_chalk() {
+    let Some(gpu) = common::gpu() else { return };
+    // All light comes from the panel, from its front.
+    let spot = Light::Spot {
+        position: [-0.6, 0.1, 0.6],
+        direction: [0.7, -0.1, -0.7],
+        outer_cone_deg: 18.0,
+        inner_cone_deg: Some(10.0),
+        intensity: 10.0,
+        color: [1.0; 3],
+        radius: 0.0,
+    };
+    let [matt, metal] = [0.0, 1.0].map(|metallic| {
+        let mut scene = room_with_panel();
+        let panel = scene.meta.materials.last_mut().unwrap();
+        (panel.metallic, panel.roughness) = (metallic, 0.2);
+        let mut ours = renderer(&gpu, &scene);
+        ours.set_lights(vec![spot.clone()]).unwrap();
+        light(&mut ours, SolverChoice::Antiradiance)
+    });
+    let mean = |light: &[f32]| light.iter().sum::<f32>() / light.len() as f32;
+    println!("{} apart, {} and {}", apart(&metal, &matt), mean(&metal), mean(&matt));
+    assert!(apart(&metal, &matt) > 0.1 && mean(&metal) > 0.2 * mean(&matt));
+    gpu.check().unwrap();
 }
 
 #[test]

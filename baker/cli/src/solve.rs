@@ -98,6 +98,9 @@ pub struct SolveArgs {
     /// Greatest solid angle of the elements of a link, in bins
     #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true, default_value_t = SolverSettings::default().width, value_parser = number::over_zero_single)]
     link_width: f32,
+    /// Metals throw light by a lobe, as GGX conductors; all is matt without
+    #[arg(long, help_heading = ANTIRADIANCE, hide_short_help = true)]
+    gloss: bool,
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
@@ -241,6 +244,7 @@ impl SolveArgs {
     fn antiradiance(&self) -> AntiradianceSettings {
         AntiradianceSettings {
             elements: self.elements.unwrap_or(AntiradianceSettings::default().elements),
+            gloss: self.gloss,
             solver: SolverSettings {
                 bins: self.bins,
                 width: self.link_width,

@@ -34,8 +34,8 @@ pub struct Element {
     pub first: u32,
     /// Number of children; 0 of a patch.
     pub children: u32,
-    /// For records of 48 bytes.
-    pub padding: u32,
+    /// Of a glossy patch, its number among them; [`NONE`] of all else.
+    pub glossy: u32,
 }
 
 /// Greatest difference of the normals of a cluster along an axis, above which they divide it.
@@ -89,6 +89,7 @@ impl Hierarchy {
         }
         let places: Vec<[Vec3; 2]> = patches.iter().map(|patch| [patch.position(), patch.normal]).collect();
         let mut order: Vec<u32> = (0..patches.len() as u32).collect();
+        let glossy = glossy_numbers(patches);
         let mut level = vec![(NONE, 0..patches.len())];
         while !level.is_empty() {
             out.levels.push(out.elements.len() as u32);
@@ -96,9 +97,10 @@ impl Hierarchy {
             let mut next = Vec::new();
             for (at, (parent, range)) in level.iter().enumerate() {
                 let own = (begin + at) as u32;
-                let mut element = Element { parent: *parent, ..Element::default() };
+                let mut element = Element { parent: *parent, glossy: NONE, ..Element::default() };
                 if range.len() == 1 {
                     element.first = order[range.start];
+                    element.glossy = glossy[element.first as usize];
                     out.element_of[element.first as usize] = own;
                 } else {
                     let parts = match own {
@@ -144,6 +146,19 @@ impl Hierarchy {
     pub fn depth(&self) -> usize {
         self.levels.len().saturating_sub(1)
     }
+}
+
+/// By patch, its number among the glossy ones; [`NONE`] of matt ones.
+fn glossy_numbers(patches: &[Patch]) -> Vec<u32> {
+    let mut count = 0;
+    let number = |patch: &Patch| match patch.roughness {
+        Some(_) => {
+            count += 1;
+            count - 1
+        }
+        None => NONE,
+    };
+    patches.iter().map(number).collect()
 }
 
 /// Up to four parts of a range of the order, none empty. `places` are middles and normals.

@@ -2,6 +2,8 @@
 
 use super::bins::Bins;
 use super::cosines::BinCosines;
+use super::hierarchy::Element;
+use super::lobe::Leaving;
 use super::patches::Patch;
 use glam::Vec3;
 
@@ -30,12 +32,29 @@ impl LocalPatch<'_> {
         self.normalisation * self.bins.solid_angle() * sum
     }
 
-    /// Writes the exitant [intensity](exitant) of all bins.
-    pub fn exitant(&self, radiance: Vec3, incident: &[Vec3], out: &mut [Vec3]) {
-        let sine = self.bins.sine();
+    /// Cosines of a bin to the normal.
+    pub fn cosines(&self, bin: usize) -> BinCosines {
+        BinCosines::new(self.patch.normal.dot(self.bins.directions[bin]), self.bins.sine())
+    }
+
+    /// Irradiance of a radiance of 1 that comes by a bin.
+    pub fn irradiance_of(&self, bin: usize) -> f32 {
+        self.normalisation * self.bins.solid_angle() * self.cosines(bin).back
+    }
+
+    /// Writes the irradiance by bin: the terms of [`Self::irradiance`].
+    pub fn irradiance_by_bin(&self, incident: impl Iterator<Item = Vec3>, out: &mut [Vec3]) {
+        let factor = self.normalisation * self.bins.solid_angle();
+        for (bin, (out, light)) in out.iter_mut().zip(incident).enumerate() {
+            *out = factor * self.cosines(bin).arriving() * light;
+        }
+    }
+
+    /// Writes the exitant [intensity](exitant) of all bins; `element` is the patch's.
+    pub fn exitant(&self, element: &Element, leaving: &Leaving<'_>, incident: &[Vec3], out: &mut [Vec3]) {
         let area = self.normalisation * self.patch.area();
-        for ((out, light), way) in out.iter_mut().zip(incident).zip(&self.bins.directions) {
-            *out = exitant(area, BinCosines::new(self.patch.normal.dot(*way), sine), radiance, *light);
+        for (bin, (out, light)) in out.iter_mut().zip(incident).enumerate() {
+            *out = exitant(area, self.cosines(bin), leaving.by(element, bin), *light);
         }
     }
 }

@@ -14,6 +14,7 @@
 //! | form factors: bins and factors of a link | [`transfers`], [`transfer`], [`spread`] |
 //! | global pass U, push and pull | [`transport`] |
 //! | local pass K and J | [`local`], [`cosines`] |
+//! | K of metals | [`lobe`] |
 //! | the same transfers by receiver and bin, for a GPU | [`cells`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
 //! | patches of a file's points | [`point_patches`] |
@@ -27,6 +28,7 @@ pub mod cells;
 pub mod cosines;
 pub mod hierarchy;
 pub mod links;
+pub mod lobe;
 pub mod local;
 pub mod moving;
 pub mod patches;
@@ -47,9 +49,10 @@ pub use bins::Bins;
 pub use cells::Cells;
 pub use hierarchy::Hierarchy;
 pub use links::Links;
+pub use lobe::{DirectLight, Lobes};
 pub use moving::MovingElements;
 pub use patches::Patch;
-pub use point_patches::PointPatches;
+pub use point_patches::{PointPatches, SceneTriangle};
 pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
 pub use transfer::Transfer;
 pub use transfers::{Exchange, Spreading, Transfers};

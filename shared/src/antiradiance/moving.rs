@@ -142,7 +142,8 @@ mod tests {
     fn light(elements: &MovingElements) -> Vec<Vec3> {
         let lit = |patch: &Patch| if patch.normal.y > 0.0 { Vec3::ONE } else { Vec3::ZERO };
         let direct: Vec<Vec3> = elements.patches().iter().map(lit).collect();
-        elements.solver().solve(&direct, &settings(), &Serial, &mut ()).0
+        let solver = elements.solver();
+        solver.solve(&solver.even_light(direct), &settings(), &Serial, &mut ()).0
     }
 
     #[test]

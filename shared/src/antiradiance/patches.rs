@@ -11,6 +11,8 @@ pub struct Patch {
     pub normal: Vec3,
     /// Reflectance, linear RGB, 0 to 1.
     pub albedo: Vec3,
+    /// Roughness of a metal, whose reflectance is a [lobe](super::lobe); `None` of what is matt.
+    pub roughness: Option<f32>,
 }
 
 impl Patch {
@@ -21,7 +23,7 @@ impl Patch {
         let radius = (area.max(0.0) / 1.299_038).sqrt();
         let corner = |cosine: f32, sine: f32| position + radius * (cosine * u + sine * v);
         let corners = [corner(1.0, 0.0), corner(-0.5, 0.866_025_4), corner(-0.5, -0.866_025_4)];
-        Self { corners, normal, albedo }
+        Self { corners, normal, albedo, roughness: None }
     }
 
     /// Its middle.
@@ -87,7 +89,7 @@ mod tests {
 
     fn patch() -> Patch {
         let corners = [Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.5, 0.0, 1.0)];
-        Patch { corners, normal: Vec3::Y, albedo: Vec3::ONE }
+        Patch { corners, normal: Vec3::Y, albedo: Vec3::ONE, ..Patch::default() }
     }
 
     #[test]

@@ -9,8 +9,19 @@ use glam::{IVec3, Vec3};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Calls with the corners of every triangle, local space, and whether it has two sides.
-pub type EachTriangle<'a> = dyn Fn(&mut dyn FnMut([Vec3; 3], bool)) + 'a;
+/// A triangle of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneTriangle {
+    /// Corners, local space.
+    pub corners: [Vec3; 3],
+    /// Whether it has two sides.
+    pub is_two_sided: bool,
+    /// Roughness of a metal.
+    pub roughness: Option<f32>,
+}
+
+/// Calls with every triangle.
+pub type EachTriangle<'a> = dyn Fn(&mut dyn FnMut(SceneTriangle)) + 'a;
 
 /// Position and normal of a point, local space.
 pub type PointPlaces<'a> = dyn Fn(usize) -> [Vec3; 2] + 'a;
@@ -31,9 +42,17 @@ pub struct PointPatches {
     pub points: Vec<u32>,
     /// Number of patches that stand.
     pub still: usize,
-    /// Areas, square scene units.
-    areas: Vec<f32>,
+    surfaces: Vec<Surface>,
     albedo: Vec<Vec3>,
+}
+
+/// The surface that a point stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Surface {
+    /// Square scene units.
+    area: f32,
+    /// Roughness, if most of it is metal.
+    roughness: Option<f32>,
 }
 
 impl PointPatches {
@@ -56,8 +75,8 @@ impl PointPatches {
         points.extend(chosen(true, most[1]));
         let albedo = points.iter().map(|i| scene.albedo(*i as usize)).collect();
         let places: Vec<[Vec3; 2]> = points.iter().map(|i| at(*i as usize)).collect();
-        let areas = areas(&places, each_triangle);
-        Self { points, still, areas, albedo }
+        let surfaces = surfaces(&places, each_triangle);
+        Self { points, still, surfaces, albedo }
     }
 
     /// The patches, where `at` has the position and the normal of a point, local space.
@@ -73,20 +92,21 @@ impl PointPatches {
     fn of(&self, numbers: Range<usize>, at: &PointPlaces<'_>) -> Vec<Patch> {
         let patch = |i: usize| {
             let [position, normal] = at(self.points[i] as usize);
-            Patch::around(position, normal, self.areas[i], self.albedo[i])
+            let Surface { area, roughness } = self.surfaces[i];
+            Patch { roughness, ..Patch::around(position, normal, area, self.albedo[i]) }
         };
         numbers.map(patch).collect()
     }
 }
 
-/// Areas that points at `places` stand for: those of the pieces of surface nearest to each that face the same way.
-fn areas(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
+/// What points at `places` stand for: the pieces of surface nearest to each that face the same way.
+fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surface> {
     let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let mut whole = 0.0;
-    each_triangle(&mut |corners, is_two_sided| whole += size(corners) * if is_two_sided { 2.0 } else { 1.0 });
+    each_triangle(&mut |own| whole += size(own.corners) * if own.is_two_sided { 2.0 } else { 1.0 });
     let mean = whole / places.len().max(1) as f32;
     if mean <= 0.0 {
-        return vec![0.0; places.len()];
+        return vec![Surface::default(); places.len()];
     }
     let side = CELL * mean.sqrt();
     let cell = |place: Vec3| (place / side).floor().as_ivec3();
@@ -101,13 +121,14 @@ fn areas(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
         let distance = |number: &u32| places[*number as usize][0].distance_squared(place);
         facing.min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
-    let mut out = vec![0.0f32; places.len()];
+    // Area, that of metals, and their mean roughness times it.
+    let mut out = vec![[0.0f32; 3]; places.len()];
     let mut found = 0.0;
     let mut open = Vec::new();
-    each_triangle(&mut |corners, is_two_sided| {
+    each_triangle(&mut |SceneTriangle { corners, is_two_sided, roughness }| {
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
-        open.push(Patch { corners, normal, albedo: Vec3::ZERO });
+        open.push(Patch { corners, normal, ..Patch::default() });
         while let Some(piece) = open.pop() {
             let area = piece.area();
             if area > mean / PIECES {
@@ -116,7 +137,12 @@ fn areas(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
             }
             for normal in [normal, -normal].into_iter().take(if is_two_sided { 2 } else { 1 }) {
                 if let Some(number) = nearest(piece.position(), normal) {
-                    out[number as usize] += area;
+                    let out = &mut out[number as usize];
+                    out[0] += area;
+                    if let Some(roughness) = roughness {
+                        out[1] += area;
+                        out[2] += roughness * area;
+                    }
                     found += area;
                 }
             }
@@ -124,5 +150,9 @@ fn areas(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<f32> {
     });
     // Pieces without a point are with the others.
     let more = whole / found.max(f32::MIN_POSITIVE);
-    out.iter().map(|area| (more * area).max(LEAST * mean)).collect()
+    let surface = |[area, metal, rough]: &[f32; 3]| Surface {
+        area: (more * area).max(LEAST * mean),
+        roughness: (metal + metal > *area).then(|| rough / metal),
+    };
+    out.iter().map(surface).collect()
 }

@@ -3,6 +3,7 @@
 use super::bins::Bins;
 use super::hierarchy::Hierarchy;
 use super::links::Links;
+use super::lobe::{DirectLight, Leaving, Lobes};
 use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};
@@ -117,6 +118,8 @@ pub struct AntiradianceSolver<'a> {
     pub spread: Spread,
     /// By patch.
     pub normalisations: Vec<f32>,
+    /// Metals.
+    pub lobes: Lobes,
     /// Links in the order of sweeps; made for the first ordered solution.
     ordered: OnceLock<Sweep>,
 }
@@ -141,7 +144,9 @@ impl<'a> AntiradianceSolver<'a> {
         normalisations: Vec<f32>,
     ) -> Self {
         let spread = Spread::new(&bins);
-        Self { patches, hierarchy, bins, links, transfers, spread, normalisations, ordered: OnceLock::new() }
+        let lobes = Lobes::new(patches, &bins, &normalisations);
+        let ordered = OnceLock::new();
+        Self { patches, hierarchy, bins, links, transfers, spread, normalisations, lobes, ordered }
     }
 
     /// Bytes of the tables of an iteration, of the form factors, and of what orders them.
@@ -154,11 +159,23 @@ impl<'a> AntiradianceSolver<'a> {
         if iteration == Iteration::Ordered { tables + ordered } else { tables }
     }
 
+    /// Direct light of this irradiance by patch; to metals it comes evenly from all sides.
+    pub fn even_light(&self, irradiance: Vec<Vec3>) -> DirectLight {
+        let mut by_bin = Vec::with_capacity(self.lobes.gains.len());
+        for patch in &self.lobes.patches {
+            let patch = *patch as usize;
+            let local = self.sweep_scene().local(patch);
+            let radiance = FRAC_1_PI * irradiance[patch];
+            by_bin.extend((0..self.bins.count()).map(|bin| local.irradiance_of(bin) * radiance));
+        }
+        DirectLight { irradiance, by_bin }
+    }
+
     /// Irradiance of the patches that bounced from others, for the `direct` irradiance of each. The direct light makes no
     /// antiradiance: its shadows are in it (section 3.3).
     pub fn solve(
         &self,
-        direct: &[Vec3],
+        direct: &DirectLight,
         settings: &SolverSettings,
         workers: &dyn Workers,
         observer: &mut dyn Observer,
@@ -203,15 +220,17 @@ impl<'a> AntiradianceSolver<'a> {
     }
 
     /// Direct light has come to the patches, and nothing else.
-    fn state(&self, direct: &[Vec3], is_ordered: bool, workers: &dyn Workers) -> State {
+    fn state(&self, direct: &DirectLight, is_ordered: bool, workers: &dyn Workers) -> State {
         let cells = self.hierarchy.elements.len() * self.bins.count();
         let mut state = State {
             incident: vec![Vec3::ZERO; if is_ordered { 2 * cells } else { cells }],
             exitant: vec![Vec3::ZERO; if is_ordered { 0 } else { cells }],
             irradiance: vec![Vec3::ZERO; self.patches.len()],
             radiance: vec![Vec3::ZERO; self.patches.len()],
+            lobes: vec![Vec3::ZERO; self.lobes.gains.len()],
         };
         self.reflect(&mut state, direct);
+        self.reflect_lobes(&mut state.lobes, direct, workers, &|_, out| out.fill(Vec3::ZERO));
         if !is_ordered {
             self.leave(&mut state, workers, &mut ());
         }
@@ -232,15 +251,20 @@ impl<'a> AntiradianceSolver<'a> {
         &self,
         sweep: &Sweep,
         state: &mut State,
-        direct: &[Vec3],
+        direct: &DirectLight,
         workers: &dyn Workers,
         observer: &mut dyn Observer,
     ) {
         let scene = self.sweep_scene();
-        sweep.run(&scene, &state.radiance, &mut state.incident, workers);
+        let leaving = self.leaving(&state.radiance, &state.lobes);
+        sweep.run(&scene, &leaving, &mut state.incident, workers);
         observer.passed(Pass::Global);
         Sweep::irradiance(&scene, &state.incident, &mut state.irradiance, workers);
         self.reflect(state, direct);
+        let table = &state.incident;
+        self.reflect_lobes(&mut state.lobes, direct, workers, &|patch, out| {
+            scene.local(patch).irradiance_by_bin(Sweep::incident(&scene, table, patch), out);
+        });
         observer.passed(Pass::Local);
     }
 
@@ -248,7 +272,7 @@ impl<'a> AntiradianceSolver<'a> {
     fn step(
         &self,
         state: &mut State,
-        direct: &[Vec3],
+        direct: &DirectLight,
         reflects: bool,
         workers: &dyn Workers,
         observer: &mut dyn Observer,
@@ -260,36 +284,63 @@ impl<'a> AntiradianceSolver<'a> {
         push(self.patches, &self.hierarchy, &self.bins, incident, workers);
         observer.passed(Pass::Push);
         let (scene, incident) = (self.sweep_scene(), &*incident);
-        workers.rows(irradiance, 1, &|patch, out| {
-            let row = &incident[self.hierarchy.element_of[patch] as usize * bins..][..bins];
-            out[0] = scene.local(patch).irradiance(row.iter().copied());
-        });
+        let row = |patch: usize| {
+            incident[self.hierarchy.element_of[patch] as usize * bins..][..bins].iter().copied()
+        };
+        workers.rows(irradiance, 1, &|patch, out| out[0] = scene.local(patch).irradiance(row(patch)));
         if reflects {
+            let by_bin =
+                |patch: usize, out: &mut [Vec3]| scene.local(patch).irradiance_by_bin(row(patch), out);
+            self.reflect_lobes(&mut state.lobes, direct, workers, &by_bin);
             self.reflect(state, direct);
         }
         self.leave(state, workers, observer);
     }
 
-    /// K: radiance of the patches.
-    fn reflect(&self, state: &mut State, direct: &[Vec3]) {
-        let arriving = state.irradiance.iter().zip(direct);
+    fn leaving<'s>(&self, matt: &'s [Vec3], lobes: &'s [Vec3]) -> Leaving<'s> {
+        Leaving { matt, lobes, bins: self.bins.count() }
+    }
+
+    /// K of metals: radiance by bin. `bounced` writes the irradiance by bin of a patch that has bounced.
+    fn reflect_lobes(
+        &self,
+        lobes: &mut [Vec3],
+        direct: &DirectLight,
+        workers: &dyn Workers,
+        bounced: &(dyn Fn(usize, &mut [Vec3]) + Sync),
+    ) {
+        let bins = self.bins.count();
+        workers.rows(lobes, bins, &|number, out| {
+            let mut arriving = vec![Vec3::ZERO; bins];
+            bounced(self.lobes.patches[number] as usize, &mut arriving);
+            let direct = &direct.by_bin[number * bins..][..bins];
+            arriving.iter_mut().zip(direct).for_each(|(sum, direct)| *sum += *direct);
+            self.lobes.reflect(number, self.patches, &self.bins, &arriving, out);
+        });
+    }
+
+    /// K: radiance of matt patches.
+    fn reflect(&self, state: &mut State, direct: &DirectLight) {
+        let arriving = state.irradiance.iter().zip(&direct.irradiance);
         for ((radiance, patch), (bounced, direct)) in
             state.radiance.iter_mut().zip(self.patches).zip(arriving)
         {
-            *radiance = FRAC_1_PI * patch.albedo * (*direct + *bounced);
+            let is_matt = patch.roughness.is_none();
+            *radiance = if is_matt { FRAC_1_PI * patch.albedo * (*direct + *bounced) } else { Vec3::ZERO };
         }
     }
 
     /// Exitant intensity of the patches, and of the clusters.
     fn leave(&self, state: &mut State, workers: &dyn Workers, observer: &mut dyn Observer) {
         let bins = self.bins.count();
-        let State { incident, exitant, radiance, .. } = state;
+        let State { incident, exitant, radiance, lobes, .. } = state;
+        let leaving = self.leaving(radiance, lobes);
         let scene = self.sweep_scene();
         workers.rows(exitant, bins, &|element, row| {
             let own = &self.hierarchy.elements[element];
             if own.is_patch() {
-                let patch = own.first as usize;
-                scene.local(patch).exitant(radiance[patch], &incident[element * bins..][..bins], row);
+                let local = scene.local(own.first as usize);
+                local.exitant(own, &leaving, &incident[element * bins..][..bins], row);
             }
         });
         observer.passed(Pass::Local);
@@ -306,6 +357,8 @@ struct State {
     exitant: Vec<Vec3>,
     /// Bounced irradiance by patch.
     irradiance: Vec<Vec3>,
-    /// Exitant radiance by patch.
+    /// Exitant radiance by matt patch.
     radiance: Vec<Vec3>,
+    /// Exitant radiance by glossy patch and bin.
+    lobes: Vec<Vec3>,
 }

@@ -11,6 +11,7 @@
 use super::bins::Bins;
 use super::cosines::BinCosines;
 use super::hierarchy::{Element, Hierarchy, NONE};
+use super::lobe::Leaving;
 use super::local::{LocalPatch, exitant};
 use super::patches::Patch;
 use super::transfers::Transfers;
@@ -81,9 +82,15 @@ impl Sweep {
         Self { order, offsets, senders, factors }
     }
 
-    /// Incident radiance of all elements for the radiance of the patches, in all bins. Of links against the order there
+    /// Incident radiance of all elements for the radiance that leaves patches, in all bins. Of links against the order there
     /// are few, between patches wider than their distance; they have the antiradiance of the sweep before.
-    pub fn run(&self, scene: &SweepScene<'_>, radiance: &[Vec3], table: &mut [Vec3], workers: &dyn Workers) {
+    pub fn run(
+        &self,
+        scene: &SweepScene<'_>,
+        radiance: &Leaving<'_>,
+        table: &mut [Vec3],
+        workers: &dyn Workers,
+    ) {
         let elements = &scene.hierarchy.elements;
         workers.rows(table, 2 * elements.len(), &|bin, row| {
             let (leaving, incident) = row.split_at_mut(elements.len());
@@ -91,7 +98,8 @@ impl Sweep {
             let intensity = |element: &Element, incident: Vec3| {
                 let patch = element.first as usize;
                 let cosines = BinCosines::new(element.normal.dot(way), sine);
-                exitant(scene.normalisations[patch] * element.area, cosines, radiance[patch], incident)
+                let area = scene.normalisations[patch] * element.area;
+                exitant(area, cosines, radiance.by(element, bin), incident)
             };
             for (i, element) in elements.iter().enumerate().rev() {
                 leaving[i] = if element.is_patch() {
@@ -135,12 +143,20 @@ impl Sweep {
         irradiance: &mut [Vec3],
         workers: &dyn Workers,
     ) {
-        let count = scene.hierarchy.elements.len();
         workers.rows(irradiance, 1, &|patch, out| {
-            let element = scene.hierarchy.element_of[patch] as usize;
-            let incident = (0..scene.bins.count()).map(|bin| table[(2 * bin + 1) * count + element]);
-            out[0] = scene.local(patch).irradiance(incident);
+            out[0] = scene.local(patch).irradiance(Self::incident(scene, table, patch));
         });
+    }
+
+    /// Incident radiance of a patch by bin.
+    pub fn incident<'a>(
+        scene: &SweepScene<'a>,
+        table: &'a [Vec3],
+        patch: usize,
+    ) -> impl Iterator<Item = Vec3> + use<'a> {
+        let count = scene.hierarchy.elements.len();
+        let element = scene.hierarchy.element_of[patch] as usize;
+        (0..scene.bins.count()).map(move |bin| table[(2 * bin + 1) * count + element])
     }
 }
 

@@ -14,8 +14,8 @@ fn square(middle: Vec3, u: Vec3, v: Vec3, n: usize, albedo: f32) -> Vec<Patch> {
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         let albedo = Vec3::splat(albedo);
-        out.push(Patch { corners: [a, b, c], normal, albedo });
-        out.push(Patch { corners: [a, c, d], normal, albedo });
+        out.push(Patch { corners: [a, b, c], normal, albedo, roughness: None });
+        out.push(Patch { corners: [a, c, d], normal, albedo, roughness: None });
     }
     out
 }
@@ -64,7 +64,7 @@ fn solve(patches: &[Patch], settings: &SolverSettings, lit: impl Fn(&Patch) -> b
     let direct: Vec<Vec3> =
         patches.iter().map(|patch| if lit(patch) { Vec3::splat(PI) } else { Vec3::ZERO }).collect();
     let solver = AntiradianceSolver::new(patches, settings, &Serial);
-    solver.solve(&direct, settings, &Serial, &mut ()).0
+    solver.solve(&solver.even_light(direct), settings, &Serial, &mut ()).0
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn light_between_two_elements_is_reciprocal() {
         let direct: Vec<Vec3> =
             (0..80).map(|i| if i / 40 == from { Vec3::splat(PI) } else { Vec3::ZERO }).collect();
         let solver = AntiradianceSolver::new(&patches, &settings, &Serial);
-        let (found, _) = solver.solve(&direct, &settings, &Serial, &mut ());
+        let (found, _) = solver.solve(&solver.even_light(direct), &settings, &Serial, &mut ());
         let own = (1 - from) * 40..(2 - from) * 40;
         found[own.clone()].iter().zip(&patches[own]).map(|(value, patch)| patch.area() * value.x).sum::<f32>()
     };
@@ -229,4 +229,41 @@ fn the_ordered_iteration_holds_behind_many_surfaces_where_steps_overshoot() {
     };
     let (ordered, symmetric) = (greatest(Iteration::Ordered), greatest(Iteration::Symmetric));
     assert!(ordered < 0.4 && symmetric > 2.0, "{ordered} {symmetric}");
+}
+
+#[test]
+fn a_metal_throws_its_lobe_on_a_wall() {
+    // A metal floor under a beam, and a wall beside it: the light of single reflections is a sum over both.
+    let (roughness, count) = (0.5, 10);
+    let bins = Bins::new(512);
+    let way = bins.directions[bins.bin_of(Vec3::new(0.6, -0.7, 0.1).normalize())];
+    let mut patches = square(Vec3::new(-0.6, -0.5, 0.0), Vec3::Z, Vec3::X, count, 1.0);
+    patches.iter_mut().for_each(|patch| patch.roughness = Some(roughness));
+    let floor = patches.len();
+    patches.extend(square(0.5 * Vec3::X, Vec3::Z, Vec3::Y, count, 0.0));
+    let settings = SolverSettings { iterations: 1, ..settings(512) };
+    let solver = AntiradianceSolver::new(&patches, &settings, &Serial);
+    let mut direct = solver.even_light(vec![Vec3::ZERO; patches.len()]);
+    direct.by_bin.iter_mut().skip(bins.bin_of(way)).step_by(512).for_each(|light| *light = Vec3::ONE);
+    let found = solver.solve(&direct, &settings, &Serial, &mut ()).0;
+    let wall = |patch: &Patch| patch.normal.x < -0.5;
+    let (alpha, frame) =
+        (crate::ggx::alpha(roughness), glam::Mat3::from_cols(Vec3::Z, Vec3::X, Vec3::Y).transpose());
+    let reflected = |eye: Vec3| {
+        let single = crate::ggx::single_scattering(roughness, eye.y);
+        crate::ggx::multiple_scattering(Vec3::ONE, single).x
+            * crate::ggx::reflectance(alpha, frame * eye, frame * -way)
+    };
+    let between = |from: &Patch, to: &Patch| {
+        let offset = to.position() - from.position();
+        let eye = offset.normalize();
+        from.area() * reflected(eye) * eye.dot(from.normal).max(0.0) * -eye.dot(to.normal).min(0.0)
+            / offset.length_squared()
+    };
+    let expected: Vec<Vec3> = patches
+        .iter()
+        .map(|to| Vec3::splat(patches[..floor].iter().map(|from| between(from, to)).sum()))
+        .collect();
+    let [found, expected] = [found, expected].map(|light| mean(&patches, &light, wall));
+    assert!((found / expected - 1.0).abs() < 0.06 && found > 0.05, "{found} {expected}");
 }

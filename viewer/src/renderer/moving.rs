@@ -9,7 +9,7 @@ use crate::passes::settings::SolverChoice;
 use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
 #[cfg(feature = "antiradiance")]
-use crate::scene::antiradiance::{AntiradianceCounts, AntiradiancePipelines, SceneAntiradiance};
+use crate::scene::antiradiance::{AntiradianceCounts, AntiradiancePipelines, Lamps, SceneAntiradiance};
 use crate::scene::moving::Moving;
 use crate::scene::radiosity::RadiosityPipelines;
 use rebounce_shared::motion::NodeMotion;
@@ -122,7 +122,9 @@ impl Renderer {
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|timing| timing.stamps(Pass::Antiradiance));
         let both = [true, false].map(|begins| stamps.map(|stamps| stamps.compute(begins, !begins)));
-        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), both);
+        let layout = &self.pipelines.shadow.layout;
+        let lamps = Lamps { layout, group: self.shadows.group(), count: self.lit.lamps().len() };
+        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), &lamps, both);
         scene.relight.show_sources(encoder);
         self.dirty.display = true;
     }

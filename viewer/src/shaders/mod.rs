@@ -144,7 +144,7 @@ modules! {
     GATHER_BINS: "antiradiance_pass" "links_bins" "gather_bins";
     /// Antiradiance: a wave of the ordered iteration.
     #[cfg(feature = "antiradiance")]
-    SWEEP_BINS: "antiradiance_pass" "links_bins" "pull_bins" "sweep_bins";
+    SWEEP_BINS: "antiradiance_pass" "leaves_bin" "links_bins" "pull_bins" "sweep_bins";
     /// Antiradiance: irradiance of patches.
     #[cfg(feature = "antiradiance")]
     MEASURE_BINS: "antiradiance_pass" "measure_bins";
@@ -153,7 +153,16 @@ modules! {
     REFLECT_PATCHES: "antiradiance_pass" "reflect_patches";
     /// Antiradiance: light that leaves elements, less what went through them.
     #[cfg(feature = "antiradiance")]
-    LEAVE_BINS: "antiradiance_pass" "pull_bins" "leave_bins";
+    LEAVE_BINS: "antiradiance_pass" "leaves_bin" "pull_bins" "leave_bins";
+    /// Antiradiance: irradiance of metals by bin.
+    #[cfg(feature = "antiradiance")]
+    ARRIVE_LOBES: "antiradiance_pass" "lobe_bins" "arrive_lobes";
+    /// Antiradiance: K of metals.
+    #[cfg(feature = "antiradiance")]
+    REFLECT_LOBES: "antiradiance_pass" "lobe_bins" "reflect_lobes";
+    /// Antiradiance: direct light of metals by bin.
+    #[cfg(feature = "antiradiance")]
+    DIRECT_LOBES: "octahedral" "point" "lights" "lights_second" "area" "visibility" "penumbra" "footprint" "patch_points" "direct_lobes";
     /// Antiradiance: direct light of patches from that of points.
     #[cfg(feature = "antiradiance")]
     LIGHT_PATCHES: "patch_points" "light_patches";

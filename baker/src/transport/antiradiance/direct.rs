@@ -7,8 +7,9 @@ use crate::light::direct::at_point;
 use crate::transport::radiosity::GroupSource;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::antiradiance::Patch;
-use rebounce_shared::light::LightSource;
+use rebounce_shared::antiradiance::{AntiradianceSolver, DirectLight, Patch};
+use rebounce_shared::light::{LightKind, LightSource};
+use std::slice::from_ref;
 
 /// Irradiance of a patch by lamps: the mean over the middles of its sixteenths.
 pub fn of_patch<S: Surfaces>(surfaces: &S, lamps: &[LightSource], patch: &Patch) -> Vec3 {
@@ -38,6 +39,43 @@ pub fn of_lamps<S: Surfaces>(
         Ok(of_patch(surfaces, lamps, patch))
     };
     patches.par_iter().enumerate().map(of_patch).collect()
+}
+
+/// What of the direct light of metals comes by each bin: by glossy patch and bin, that of the lamps. All else in `irradiance` comes
+/// evenly, as from a sky.
+pub fn by_bin<S: Surfaces>(
+    surfaces: &S,
+    solver: &AntiradianceSolver<'_>,
+    lamps: &[LightSource],
+    irradiance: Vec<Vec3>,
+) -> DirectLight {
+    let bins = solver.bins.count();
+    let mut rest = irradiance.clone();
+    let mut of_lamps = vec![Vec3::ZERO; solver.lobes.gains.len()];
+    let rows = of_lamps.par_chunks_exact_mut(bins).zip(&solver.lobes.patches);
+    let sums: Vec<Vec3> = rows
+        .map(|(row, patch)| {
+            let patch = &solver.patches[*patch as usize];
+            let mut sum = Vec3::ZERO;
+            for lamp in lamps {
+                let light = of_patch(surfaces, from_ref(lamp), patch);
+                let way = match lamp.kind {
+                    LightKind::Directional => lamp.direction,
+                    _ => (patch.position() - lamp.position).normalize_or(-patch.normal),
+                };
+                row[solver.bins.bin_of(way)] += light;
+                sum += light;
+            }
+            sum
+        })
+        .collect();
+    for (patch, sum) in solver.lobes.patches.iter().zip(sums) {
+        let rest = &mut rest[*patch as usize];
+        *rest = (*rest - sum).max(Vec3::ZERO);
+    }
+    let mut light = solver.even_light(rest);
+    light.by_bin.iter_mut().zip(of_lamps).for_each(|(sum, lamps)| *sum += lamps);
+    DirectLight { irradiance, ..light }
 }
 
 /// Adds what comes to the points from the sky and from shining surfaces; `values` are the points'.

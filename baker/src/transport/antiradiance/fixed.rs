@@ -1,6 +1,6 @@
 //! A [fixed solution](FixedSolution) by radiance and antiradiance: solved at patches, evaluated at the points of a file.
 
-use super::direct::{add_linked, of_lamps};
+use super::direct::{add_linked, by_bin, of_lamps};
 use super::figures::{AntiradianceWork, Follower};
 use super::near::{AreaPoint, Near};
 use super::pool::Pool;
@@ -18,7 +18,7 @@ use crate::transport::radiosity::{FixedSolution, GroupSource, linked_irradiance,
 use crate::transport::sources::SourceSettings;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings};
+use rebounce_shared::antiradiance::{AntiradianceSolver, DirectLight, Iteration, SolverSettings};
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Share of the elements that are patches; the rest are clusters.
@@ -31,13 +31,15 @@ const REACH: f32 = 2.0;
 pub struct AntiradianceSettings {
     /// About how many patches and clusters.
     pub elements: usize,
+    /// Whether metals reflect by a lobe; they are matt without.
+    pub gloss: bool,
     /// Bins, links, iteration.
     pub solver: SolverSettings,
 }
 
 impl Default for AntiradianceSettings {
     fn default() -> Self {
-        Self { elements: 18_000, solver: SolverSettings::default() }
+        Self { elements: 18_000, gloss: false, solver: SolverSettings::default() }
     }
 }
 
@@ -91,7 +93,7 @@ impl Antiradiance<'_> {
         let count = points.points.len();
         let linked = linked_irradiance(relations, &self.groups, &links, count);
         let watch = job.reporter.begin(Stage::Transport, None);
-        let patches = patches_of(self.scene, self.settings.patches());
+        let patches = patches_of(self.scene, self.settings.patches(), self.settings.gloss);
         if patches.is_empty() {
             return Err(AntiradianceError::Empty);
         }
@@ -113,6 +115,7 @@ impl Antiradiance<'_> {
                 let values: Vec<Vec3> = out.linked.group(number).skip(finest.first).collect();
                 add_linked(&patches, &values, &near_points, &mut direct);
             }
+            let direct = by_bin(surfaces, &solver, &group.lighting.lamps, direct);
             let found = solve_one(&solver, &self.settings.solver, &direct, &*watch, &mut work)?;
             let at = |i: usize| {
                 let point = &points.points[i];
@@ -140,7 +143,7 @@ impl Antiradiance<'_> {
 fn solve_one(
     solver: &AntiradianceSolver<'_>,
     settings: &SolverSettings,
-    direct: &[Vec3],
+    direct: &DirectLight,
     watch: &dyn Watch,
     work: &mut AntiradianceWork,
 ) -> Result<Vec<Vec3>, Stopped> {

@@ -1,5 +1,6 @@
 //! The triangles of a scene as patches: halved at their longest edges until there are as many as wanted.
 
+use crate::geometry::Gloss;
 use crate::geometry::mesh::geometry::Surface;
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
@@ -9,8 +10,8 @@ use rebounce_shared::antiradiance::Patch;
 const TRIES: usize = 40;
 
 /// Patches of a scene, about `wanted` of them: areas are the surfaces', and a two-sided surface has patches on both sides.
-/// There are as many as the scene has triangles at least.
-pub fn patches_of(scene: &Scene, wanted: usize) -> Vec<Patch> {
+/// There are as many as the scene has triangles at least. With `gloss`, metals have a lobe; all is matt without.
+pub fn patches_of(scene: &Scene, wanted: usize, gloss: bool) -> Vec<Patch> {
     let texture = |t: u32| scene.textures[t as usize].sampler();
     let surfaces: Vec<Surface> = scene.materials.iter().map(|m| Surface::new(m, texture)).collect();
     let triangles = triangles(scene, &surfaces);
@@ -28,7 +29,9 @@ pub fn patches_of(scene: &Scene, wanted: usize) -> Vec<Patch> {
         divide(triangle.patch, high, &mut out);
         let pieces = (out.len() - begin) as f32;
         for patch in &mut out[begin..] {
-            patch.albedo = triangle.albedo(scene, patch.position(), pieces);
+            let (albedo, own) = triangle.look(scene, patch.position(), pieces);
+            patch.albedo = albedo;
+            patch.roughness = (gloss && own.is_metal()).then_some(own.roughness);
         }
     }
     out
@@ -65,8 +68,8 @@ struct SidedTriangle<'a> {
 }
 
 impl SidedTriangle<'_> {
-    /// Reflectance around a place, of one of so many pieces.
-    fn albedo(&self, scene: &Scene, place: Vec3, pieces: f32) -> Vec3 {
+    /// Reflectance around a place, of one of so many pieces, and how it shines there.
+    fn look(&self, scene: &Scene, place: Vec3, pieces: f32) -> (Vec3, Gloss) {
         let [a, b, c] = self.patch.corners;
         let normal = (b - a).cross(c - a);
         let whole = normal.length_squared().max(f32::MIN_POSITIVE);
@@ -79,7 +82,8 @@ impl SidedTriangle<'_> {
         } else {
             (0..3).map(|i| weights[i] * self.colors[i]).sum()
         };
-        self.surface.albedo(color, uv, self.share / pieces).clamp(Vec3::ZERO, Vec3::ONE)
+        let albedo = self.surface.albedo(color, uv, self.share / pieces);
+        (albedo.clamp(Vec3::ZERO, Vec3::ONE), self.surface.gloss(uv))
     }
 }
 
@@ -130,7 +134,7 @@ fn sided<'a>(
     let share = 0.5 * (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]).abs();
     let colors = scene.corner_colors.get(triangle).map_or([Vec3::ONE; 3], |own| order.map(|at| own[at]));
     let surface = &surfaces[scene.triangle_material[triangle] as usize];
-    Some(SidedTriangle { patch: Patch { corners, normal, albedo: Vec3::ZERO }, surface, uvs, colors, share })
+    Some(SidedTriangle { patch: Patch { corners, normal, ..Patch::default() }, surface, uvs, colors, share })
 }
 
 #[cfg(test)]
@@ -140,9 +144,9 @@ mod tests {
     #[test]
     fn areas_add_up_and_there_are_as_many_patches_as_wanted() {
         let scene = crate::demo::load("office").unwrap();
-        let whole: f32 = patches_of(&scene, 1).iter().map(Patch::area).sum();
+        let whole: f32 = patches_of(&scene, 1, false).iter().map(Patch::area).sum();
         for wanted in [6_000, 20_000] {
-            let patches = patches_of(&scene, wanted);
+            let patches = patches_of(&scene, wanted, false);
             assert!(patches.len() <= wanted && patches.len() > wanted / 2, "{} of {wanted}", patches.len());
             let area: f32 = patches.iter().map(Patch::area).sum();
             assert!((area / whole - 1.0).abs() < 1e-4);
@@ -151,17 +155,26 @@ mod tests {
                 assert!((b - a).cross(c - a).normalize().dot(patch.normal) > 0.999);
             }
         }
-        assert_eq!(patches_of(&scene, 1).len(), scene.triangles.len());
+        assert_eq!(patches_of(&scene, 1, false).len(), scene.triangles.len());
     }
 
     #[test]
     fn patches_have_the_colour_of_their_surface_and_two_sides_where_it_has() {
         let mut scene = crate::demo::load("furnace").unwrap();
-        assert!(patches_of(&scene, 100).iter().all(|patch| patch.albedo == Vec3::splat(0.5)));
-        let one = patches_of(&scene, 100).len();
+        assert!(patches_of(&scene, 100, false).iter().all(|patch| patch.albedo == Vec3::splat(0.5)));
+        let one = patches_of(&scene, 100, false).len();
         scene.materials[0].double_sided = true;
-        let two = patches_of(&scene, 200);
+        let two = patches_of(&scene, 200, false);
         assert_eq!(two.len(), 2 * one);
         assert!(two.iter().map(|patch| patch.area() * patch.normal).sum::<Vec3>().length() < 1e-4);
+    }
+
+    #[test]
+    fn metals_have_a_lobe_where_it_is_wanted() {
+        let scene = crate::demo::load("trophy").unwrap();
+        let glossy =
+            |gloss| patches_of(&scene, 1, gloss).iter().filter(|own| own.roughness.is_some()).count();
+        assert_eq!(glossy(false), 0);
+        assert!(glossy(true) > 0 && glossy(true) < patches_of(&scene, 1, true).len());
     }
 }

@@ -14,8 +14,11 @@ use crate::scene::relight::Relight;
 use crate::scene::rig::GpuRig;
 use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::antiradiance::{Iteration, MovingElements, PointPatches, Serial, SolverSettings};
+use rebounce_shared::antiradiance::{
+    Iteration, MovingElements, PointPatches, SceneTriangle, Serial, SolverSettings,
+};
 use rebounce_shared::glam::Vec3;
+use rebounce_shared::rbn::meta::Material;
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use wgpu::BufferUsages;
@@ -36,7 +39,18 @@ pub(super) struct PointsUniform {
     first: u32,
     count: u32,
     groups: u32,
-    pad: u32,
+    lights: u32,
+}
+
+/// Lamps with their shadow maps.
+#[derive(Clone, Copy)]
+pub struct Lamps<'a> {
+    /// Layout of the bind group.
+    pub layout: &'a wgpu::BindGroupLayout,
+    /// Lights and shadow maps.
+    pub group: &'a wgpu::BindGroup,
+    /// Number of lights.
+    pub count: usize,
 }
 
 /// Size of the problem, and the steps solved.
@@ -63,6 +77,9 @@ pub struct SceneAntiradiance {
     /// Something has moved since the links were made.
     is_unlinked: Cell<bool>,
     point_of: wgpu::Buffer,
+    /// Points of the metals' patches.
+    point_of_glossy: wgpu::Buffer,
+    points: wgpu::Buffer,
     patch_of: wgpu::Buffer,
     irradiance: wgpu::Buffer,
     display: wgpu::Buffer,
@@ -70,6 +87,8 @@ pub struct SceneAntiradiance {
     uniforms: wgpu::Buffer,
     /// Over the patches.
     lit: BinsDispatch,
+    /// Over those of metals.
+    lit_lobes: Option<BinsDispatch>,
     /// By level, from the coarsest with patches on.
     shown: Vec<BinsDispatch>,
     own: Scope,
@@ -89,8 +108,11 @@ impl SceneAntiradiance {
         let scene = moving.file();
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
-        let each = |call: &mut dyn FnMut([Vec3; 3], bool)| {
-            upload.triangles.each(|run, _, corners| call(corners, !run.one_sided));
+        let each = |call: &mut dyn FnMut(SceneTriangle)| {
+            upload.triangles.each(|run, _, corners| {
+                let roughness = metal_roughness(&scene.meta.materials[run.material as usize]);
+                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness });
+            });
         };
         let motions = moving.motions();
         // The triangles on the CPU are where the nodes are, and in no pose.
@@ -99,7 +121,7 @@ impl SceneAntiradiance {
         let settings = SolverSettings::default();
         let there = patches.patches(&places(moving, &riders));
         let elements = MovingElements::new(there, patches.still, settings, &Serial);
-        let (light, counts) = {
+        let (light, counts, glossy) = {
             let solver = elements.solver();
             let light = GpuAntiradiance::new(gpu, pipelines, &solver, Iteration::Ordered)?;
             let counts = AntiradianceCounts {
@@ -108,7 +130,7 @@ impl SceneAntiradiance {
                 bins: solver.bins.count(),
                 iterations: 0,
             };
-            (light, counts)
+            (light, counts, solver.lobes.patches)
         };
         let own = Scope::new(gpu);
         let mut patch_of = vec![NONE; scene.points.len()];
@@ -120,17 +142,21 @@ impl SceneAntiradiance {
         };
         let (point_of, patch_of) =
             (stored("points of patches", &patches.points), stored("patches of points", &patch_of));
+        let of_glossy: Vec<u32> = glossy.iter().map(|patch| patches.points[*patch as usize]).collect();
+        let point_of_glossy = stored("points of glossy patches", &of_glossy);
         let mut uniforms = Uniforms::default();
         let mut dispatch = |first: usize, count: usize| {
             let (first, all) = (first as u32, count as u32);
-            uniforms.dispatch(count, |groups| PointsUniform { first, count: all, groups, pad: 0 })
+            uniforms.dispatch(count, |groups| PointsUniform { first, count: all, groups, lights: 0 })
         };
         let lit = dispatch(0, patches.points.len());
         let coarsest = patches.points.iter().min().copied().unwrap_or(0) as usize;
         let levels = (0..scene.meta.levels.len()).map(|level| scene.level(level));
         let levels = levels.filter(|level| level.end > coarsest);
         let shown = levels.map(|level| dispatch(level.start, level.len())).collect();
-        let uniforms = buffer(&own, "points", BufferUsages::UNIFORM, &uniforms.0);
+        let lit_lobes = (!glossy.is_empty()).then(|| dispatch(0, glossy.len()));
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let uniforms = buffer(&own, "points", usage, &uniforms.0);
         Ok(Self {
             patches,
             elements: elements.into(),
@@ -139,12 +165,15 @@ impl SceneAntiradiance {
             left: ENOUGH.into(),
             is_unlinked: false.into(),
             point_of,
+            point_of_glossy,
+            points: relight.points.clone(),
             patch_of,
             irradiance: relight.irradiance.clone(),
             display: relight.display.clone(),
             push: [upload.push_offsets.clone(), upload.push_entries.clone()],
             uniforms,
             lit,
+            lit_lobes,
             shown,
             own,
         })
@@ -192,6 +221,7 @@ impl SceneAntiradiance {
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &AntiradiancePipelines,
         (moving, rig): (&Moving, Option<&GpuRig>),
+        lamps: &Lamps<'_>,
         [begin, end]: [Option<wgpu::ComputePassTimestampWrites<'_>>; 2],
     ) -> Result<(), ViewerError> {
         if self.is_unlinked.take() {
@@ -203,6 +233,7 @@ impl SceneAntiradiance {
         let mut light = self.light.borrow_mut();
         let lit = [&self.point_of, &self.irradiance, light.direct()];
         self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[self.lit]);
+        self.light_lobes((gpu, encoder), pipelines, &light, lamps);
         (0..steps).for_each(|_| light.step(encoder, pipelines));
         let [offsets, entries] = &self.push;
         let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
@@ -210,6 +241,30 @@ impl SceneAntiradiance {
         let counts = self.counts.get();
         self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
         Ok(())
+    }
+
+    /// Evaluates the lamps at metals, by the bins of their ways.
+    fn light_lobes(
+        &self,
+        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
+        pipelines: &AntiradiancePipelines,
+        light: &GpuAntiradiance,
+        lamps: &Lamps<'_>,
+    ) {
+        let Some(dispatch) = self.lit_lobes else { return };
+        let place = u64::from(dispatch.place) + std::mem::offset_of!(PointsUniform, lights) as u64;
+        gpu.queue.write_buffer(&self.uniforms, place, &(lamps.count as u32).to_le_bytes());
+        let (layout, pipeline) = pipelines.direct_lobes(gpu, lamps.layout);
+        let buffers =
+            [&self.point_of_glossy, &self.points, &self.irradiance, light.ways(), light.direct_lobes()];
+        let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
+        resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+        let bound = group(gpu, "direct lobes", layout, &resources);
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &bound, &[dispatch.place]);
+        pass.set_bind_group(1, lamps.group, &[]);
+        pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
     }
 
     /// Makes the links of what moves where it is now.
@@ -247,6 +302,12 @@ impl SceneAntiradiance {
             pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
         }
     }
+}
+
+/// Roughness of a material that is metal everywhere.
+fn metal_roughness(material: &Material) -> Option<f32> {
+    let is_metal = material.metallic > 0.5 && material.metallic_roughness_texture.is_none();
+    is_metal.then_some(material.roughness)
 }
 
 /// Places of points where their nodes are; `riders` have those of points on what deforms.

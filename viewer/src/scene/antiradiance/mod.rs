@@ -14,7 +14,7 @@
 mod in_scene;
 mod pipelines;
 
-pub use in_scene::{AntiradianceCounts, SceneAntiradiance};
+pub use in_scene::{AntiradianceCounts, Lamps, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
 
 use crate::error::ViewerError;
@@ -22,7 +22,8 @@ use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::antiradiance::{AntiradianceSolver, Cells, Iteration, Waves};
+use rebounce_shared::antiradiance::lobe::widened_alpha;
+use rebounce_shared::antiradiance::{AntiradianceSolver, Cells, DirectLight, Iteration, Patch, Waves};
 use rebounce_shared::glam::Vec3;
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -37,6 +38,15 @@ struct BinsUniform {
     bins: u32,
     sine: f32,
     solid_angle: f32,
+    patches: u32,
+}
+
+/// `Glossy` in lobe_bins.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct GlossyPatch {
+    element: u32,
+    alpha: f32,
 }
 
 /// Bytes between the uniforms of two dispatches.
@@ -79,13 +89,20 @@ pub struct GpuAntiradiance {
     elements: BinsDispatch,
     /// Over all patches.
     patches: BinsDispatch,
+    /// Over all cells of glossy patches; `None` without any.
+    lobes: Option<BinsDispatch>,
     direct: wgpu::Buffer,
+    /// By glossy patch, direct irradiance by bin, then what comes evenly from all sides.
+    direct_lobes: wgpu::Buffer,
+    ways: wgpu::Buffer,
     incident: wgpu::Buffer,
     irradiance: wgpu::Buffer,
     /// Light over links: gather_bins.wgsl by levels, or sweep_bins.wgsl by waves.
     gather: wgpu::BindGroup,
     measure: wgpu::BindGroup,
     reflect: wgpu::BindGroup,
+    arrive_lobes: wgpu::BindGroup,
+    reflect_lobes: wgpu::BindGroup,
     leave: wgpu::BindGroup,
     own: Scope,
 }
@@ -120,10 +137,23 @@ impl GpuAntiradiance {
             solver.bins.directions.iter().map(|way| way.extend(0.0).to_array()).collect();
         let ways = stored("ways", bytemuck::cast_slice(&ways));
         let by_patch = |label, cells: Vec<[f32; 4]>| stored(label, bytemuck::cast_slice(&cells));
-        let albedo = solver.patches.iter().map(|patch| patch.albedo.extend(0.0).to_array()).collect();
-        let albedo = by_patch("albedo", albedo);
+        let is_metal = |patch: &Patch| if patch.roughness.is_some() { 1.0 } else { 0.0 };
+        let albedo = |patch: &Patch| patch.albedo.extend(is_metal(patch)).to_array();
+        let albedo = by_patch("albedo", solver.patches.iter().map(albedo).collect());
         let dark = |normalisation: &f32| [0.0, 0.0, 0.0, *normalisation];
-        let radiance = by_patch("radiance", solver.normalisations.iter().map(dark).collect());
+        let lobes = &solver.lobes;
+        let no_lobe = std::iter::repeat_n([0.0; 4], lobes.gains.len());
+        let radiance = by_patch("radiance", solver.normalisations.iter().map(dark).chain(no_lobe).collect());
+        let gains = by_patch("gains", lobes.gains.iter().map(|gain| gain.extend(0.0).to_array()).collect());
+        let glossy = lobes.patches.iter().map(|patch| {
+            let patch = *patch as usize;
+            let roughness = solver.patches[patch].roughness.unwrap_or_default();
+            let alpha = widened_alpha(roughness, solver.bins.sine());
+            GlossyPatch { element: hierarchy.element_of[patch], alpha }
+        });
+        let glossy = stored("glossy patches", bytemuck::cast_slice(&glossy.collect::<Vec<_>>()));
+        let arriving = empty("arriving by bin", 16 * lobes.gains.len() as u64);
+        let direct_lobes = empty("direct by bin", 16 * (lobes.gains.len() + lobes.patches.len()) as u64);
         let offsets = stored("offsets", bytemuck::cast_slice(&cells.offsets));
         let transfers = stored("transfers", bytemuck::cast_slice(&cells.transfers));
         let [incident, exitant] = ["incident", "exitant"].map(|label| empty(label, table));
@@ -135,6 +165,7 @@ impl GpuAntiradiance {
             bins: bins as u32,
             sine: solver.bins.sine(),
             solid_angle: solver.bins.solid_angle(),
+            patches: solver.patches.len() as u32,
             ..BinsUniform::default()
         };
         let mut uniforms = Uniforms::default();
@@ -146,6 +177,8 @@ impl GpuAntiradiance {
         let levels = levels.map(|level| dispatch(level.clone(), level.len() * bins)).collect();
         let [all_elements, all_patches] =
             [hierarchy.elements.len(), solver.patches.len()].map(|count| dispatch(0..count, count));
+        let count = lobes.patches.len();
+        let all_lobes = (count > 0).then(|| dispatch(0..count, count * bins));
         let waves = waves.starts.windows(2).map(|wave| {
             let items = wave[0] as usize..wave[1] as usize;
             dispatch(items.clone(), items.len())
@@ -168,6 +201,10 @@ impl GpuAntiradiance {
         let measure = make("measure bins", &pipelines.measure.0, &[&incident, &radiance, &irradiance]);
         let reflected = [&albedo, &direct, &irradiance, &radiance];
         let reflect = make("reflect patches", &pipelines.reflect.0, &reflected);
+        let arriving_from = [&glossy, &incident, &direct_lobes, &radiance, &arriving];
+        let arrive_lobes = make("arrive lobes", &pipelines.arrive_lobes.0, &arriving_from);
+        let of_lobes = [&glossy, &gains, &arriving, &radiance];
+        let reflect_lobes = make("reflect lobes", &pipelines.reflect_lobes.0, &of_lobes);
         let leave = make("leave bins", &pipelines.leave.0, &[&radiance, &incident, &exitant]);
         Ok(Self {
             iteration,
@@ -176,12 +213,17 @@ impl GpuAntiradiance {
             waves,
             elements: all_elements,
             patches: all_patches,
+            lobes: all_lobes,
             direct,
+            direct_lobes,
+            ways,
             incident,
             irradiance,
             gather,
             measure,
             reflect,
+            arrive_lobes,
+            reflect_lobes,
             leave,
             own,
         })
@@ -217,6 +259,16 @@ impl GpuAntiradiance {
         &self.direct
     }
 
+    /// By glossy patch, direct irradiance by bin, then what comes evenly from all sides: RGB, and a fourth number.
+    pub fn direct_lobes(&self) -> &wgpu::Buffer {
+        &self.direct_lobes
+    }
+
+    /// Directions of the middles of the bins.
+    fn ways(&self) -> &wgpu::Buffer {
+        &self.ways
+    }
+
     /// Bounced irradiance by patch: RGB, and a fourth number.
     pub fn irradiance(&self) -> &wgpu::Buffer {
         &self.irradiance
@@ -232,10 +284,15 @@ impl GpuAntiradiance {
         self.waves.len()
     }
 
-    /// Sets the direct irradiance of the patches; steps go on from the light before.
-    pub fn set_direct(&self, gpu: &Gpu, direct: &[Vec3]) {
-        let rows: Vec<[f32; 4]> = direct.iter().map(|light| light.extend(0.0).to_array()).collect();
+    /// Sets the direct light of the patches; steps go on from the light before.
+    pub fn set_direct(&self, gpu: &Gpu, direct: &DirectLight) {
+        let row = |light: &Vec3| light.extend(0.0).to_array();
+        let rows: Vec<[f32; 4]> = direct.irradiance.iter().map(row).collect();
         gpu.queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&rows));
+        let bins = (self.ways.size() / 16) as usize;
+        let by_bin = direct.by_bin.chunks_exact(bins).flat_map(|row| row.iter().chain([&Vec3::ZERO]));
+        let by_bin: Vec<[f32; 4]> = by_bin.map(row).collect();
+        gpu.queue.write_buffer(&self.direct_lobes, 0, bytemuck::cast_slice(&by_bin));
     }
 
     /// Encodes the beginning: no light has bounced yet.
@@ -252,6 +309,12 @@ impl GpuAntiradiance {
         if self.step == 0 || self.iteration.reflects(self.step - 1) {
             pass.set_pipeline(&pipelines.reflect.1);
             run(&mut pass, &self.reflect, self.patches);
+            if let Some(lobes) = self.lobes {
+                pass.set_pipeline(&pipelines.arrive_lobes.1);
+                run(&mut pass, &self.arrive_lobes, lobes);
+                pass.set_pipeline(&pipelines.reflect_lobes.1);
+                run(&mut pass, &self.reflect_lobes, lobes);
+            }
         }
         pass.set_pipeline(&pipelines.leave.1);
         self.levels.iter().rev().for_each(|level| run(&mut pass, &self.leave, *level));

@@ -180,6 +180,9 @@ pub struct Relight {
     /// What the senders send, with the light of later bounces, RGB.
     #[cfg(feature = "radiosity")]
     pub sent: wgpu::Buffer,
+    /// Where direct light is sampled.
+    #[cfg(feature = "antiradiance")]
+    pub points: wgpu::Buffer,
     steps: wgpu::Buffer,
     /// `CachedEvaluation` of direct.wgsl.
     choice: wgpu::Buffer,
@@ -279,6 +282,8 @@ impl Relight {
             display,
             #[cfg(feature = "radiosity")]
             sent,
+            #[cfg(feature = "antiradiance")]
+            points: points.clone(),
             levels,
             steps,
             choice,

@@ -10,6 +10,8 @@ struct Pass {
     // Sine of the half angle of a bin, and its solid angle.
     sine: f32,
     solid_angle: f32,
+    // Number of patches.
+    patches: u32,
 }
 
 struct Element {
@@ -21,8 +23,11 @@ struct Element {
     // First child of a cluster; of a patch, its index.
     first: u32,
     children: u32,
-    pad: u32,
+    // Number among the glossy patches, or NONE.
+    glossy: u32,
 }
+
+const NONE = 0xffffffffu;
 
 @group(0) @binding(0) var<uniform> pass_: Pass;
 @group(0) @binding(1) var<storage, read> elements: array<Element>;

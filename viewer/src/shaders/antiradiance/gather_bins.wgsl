@@ -15,7 +15,7 @@ fn gather_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
     let own = cell / pass_.bins;
     let bin = cell % pass_.bins;
     var light = gathered(cell);
-    if elements[own].parent != 0xffffffffu {
+    if elements[own].parent != NONE {
         let above = unpacked(incident[elements[own].parent * pass_.bins + bin]);
         if elements[own].children > 0u {
             light += above;

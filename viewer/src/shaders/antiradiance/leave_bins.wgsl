@@ -19,5 +19,5 @@ fn leave_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         return;
     }
     let cosines = bin_cosines(dot(elements[own].normal, ways[bin].xyz));
-    exitant[cell] = packed(leaving(cosines, radiance[elements[own].first], unpacked(incident[cell])));
+    exitant[cell] = packed(leaving(cosines, leaves(own, bin), unpacked(incident[cell])));
 }

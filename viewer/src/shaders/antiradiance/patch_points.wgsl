@@ -6,7 +6,8 @@ struct Points {
     count: u32,
     // Workgroups of the grid in x.
     groups: u32,
-    pad: u32,
+    // Number of lights.
+    lights: u32,
 }
 
 @group(0) @binding(0) var<uniform> points_: Points;

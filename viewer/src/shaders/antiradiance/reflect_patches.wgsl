@@ -1,5 +1,6 @@
-// The local pass, K: radiance of the patches; as shared/src/antiradiance/solve.rs.
+// The local pass, K: radiance of the matt patches; as shared/src/antiradiance/solve.rs.
 
+// Linear RGB, and whether it is of a metal, whose radiance goes by bins.
 @group(0) @binding(3) var<storage, read> albedo: array<vec4f>;
 @group(0) @binding(4) var<storage, read> direct: array<vec4f>;
 // Bounced irradiance.
@@ -12,6 +13,7 @@ fn reflect_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
     if i >= pass_.count {
         return;
     }
-    let light = albedo[i].xyz / 3.14159265 * (direct[i].xyz + irradiance[i].xyz);
+    let matt = (1.0 - albedo[i].w) / 3.14159265 * albedo[i].xyz;
+    let light = matt * (direct[i].xyz + irradiance[i].xyz);
     radiance[i] = vec4f(light, radiance[i].w);
 }

@@ -23,11 +23,11 @@ fn sweep_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     var light = gathered(cell);
     let cosines = bin_cosines(dot(elements[own].normal, ways[bin].xyz));
     let is_patch = elements[own].children == 0u;
-    if elements[own].parent != 0xffffffffu {
+    if elements[own].parent != NONE {
         light += select(1.0, cosines.share, is_patch) * unpacked(incident[elements[own].parent * pass_.bins + bin]);
     }
     incident[cell] = packed(light);
     if is_patch {
-        exitant[cell] = packed(leaving(cosines, radiance[elements[own].first], light));
+        exitant[cell] = packed(leaving(cosines, leaves(own, bin), light));
     }
 }
