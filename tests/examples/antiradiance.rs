@@ -48,7 +48,7 @@ fn main() -> Result<()> {
                 tolerance: 0.0,
                 ..SolverSettings::default()
             };
-            let settings = AntiradianceSettings { elements, solver: settings };
+            let settings = AntiradianceSettings { elements, gloss: false, solver: settings };
             println!("{}", row(&gpu, &pipelines, scene, &settings)?);
         }
     }

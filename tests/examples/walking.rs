@@ -1,6 +1,6 @@
 //! Bounced light around a walking figure, by several ways, against path tracing, as a table of Markdown:
 //!
-//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`, or `walking --write FILE.glb` for the figure alone.
+//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`.
 //!
 //! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at random patches of the room, of
 //! antiradiance the mean of near patches, as points of a file have it:
@@ -15,10 +15,10 @@ use anyhow::{Context, Result};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::demo::walker;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::LoadOptions;
-use rebounce::io::files::Memory;
 use rebounce::light::direct::{at_footprint, at_hit};
 use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
@@ -32,7 +32,6 @@ use rebounce_shared::light::LightSource;
 use rebounce_shared::lighting::Lighting;
 use rebounce_shared::random::Stream;
 use rebounce_shared::relight;
-use rebounce_tests::figure;
 use std::f32::consts::FRAC_1_PI;
 
 /// Patches where the light is compared, and paths from each for one of two estimates.
@@ -61,16 +60,13 @@ fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let number = arguments.next().with_context(|| format!("{argument} needs a value"))?;
-        if argument == "--write" {
-            return std::fs::write(&number, figure::glb()).context(number);
-        }
         let number: usize = number.parse().with_context(|| number)?;
         match argument.as_str() {
             "--poses" => poses = number,
             "--bins" => bins = number,
             "--elements" => elements = number,
             "--functions" => functions = number,
-            _ => anyhow::bail!("there are --poses, --bins, --elements, --functions and --write"),
+            _ => anyhow::bail!("there are --poses, --bins, --elements and --functions"),
         }
     }
     let room = Room::new(bins, elements, functions)?;
@@ -81,7 +77,7 @@ fn main() -> Result<()> {
     println!("| seconds | patches | operator | antiradiance | difference | first bounces |");
     println!("|---|---|---|---|---|---|");
     for pose in 0..poses {
-        let time = figure::SECONDS * (pose as f64 + 0.5) / poses as f64;
+        let time = walker::SECONDS * (pose as f64 + 0.5) / poses as f64;
         println!("{}", room.row(time)?);
     }
     Ok(())
@@ -163,10 +159,9 @@ impl Room {
 
     /// The room with the figure, and the figure's patches in the room's local space.
     fn with_figure(&self, time: f64) -> Result<(Scene, Vec<Patch>)> {
-        let files = Memory::from_iter([("figure.glb", figure::glb())]);
         let pose = Some(rebounce::io::PoseOption { animation: None, time });
         let options = LoadOptions { pose, ..LoadOptions::default() };
-        let figure = rebounce::io::load_from(&files, "figure.glb".as_ref(), &options)?;
+        let figure = rebounce::io::load_with("builtin:walker", &options)?;
         let at = DVec3::new(0.5, 0.0, -4.9);
         let shift = (DVec3::from(figure.origin) + at - DVec3::from(self.scene.origin)).as_vec3();
         let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };

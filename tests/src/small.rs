@@ -1,11 +1,8 @@
 //! Bakes of a fraction of a second.
 
-use crate::figure::glb;
 use anyhow::Result;
 use glam::{Vec2, Vec3};
 use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveSettings, bake, solve};
-use rebounce::io::files::Memory;
-use rebounce::io::{LoadOptions, load_from};
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce::transport::wavelet::WaveletSettings;
@@ -144,8 +141,7 @@ pub fn object(functions: usize) -> Result<BakedScene> {
 /// # Errors
 /// Errors of loading and of the bake.
 pub fn walking(functions: usize) -> Result<BakedScene> {
-    let files = Memory::from_iter([("figure.glb", glb())]);
-    let scene = load_from(&files, "figure.glb".as_ref(), &LoadOptions::default())?;
+    let scene = rebounce::io::load("builtin:walker")?;
     Ok(bake(&scene, &settings(functions), &())?.0)
 }
 

@@ -5,10 +5,10 @@ use crate::common;
 
 use glam::Vec3;
 use rebounce::bake::bake;
+use rebounce::demo::walker::SPEED;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::io::files::Memory;
 use rebounce::io::picture::Only;
-use rebounce::io::{LoadOptions, PoseOption, load_from};
+use rebounce::io::{LoadOptions, PoseOption, load_with};
 use rebounce::scene::Scene;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::Relit;
@@ -18,7 +18,6 @@ use rebounce_shared::light::Light;
 use rebounce_shared::lighting::Lighting;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::rig::pose::Pose;
-use rebounce_tests::figure::{SPEED, glb};
 use rebounce_tests::small::settings;
 use std::sync::Arc;
 
@@ -26,10 +25,9 @@ const SIZE: [u32; 2] = [48, 36];
 
 /// The figure at a time; at rest without.
 fn figure(time: Option<f64>) -> Scene {
-    let files = Memory::from_iter([("figure.glb", glb())]);
     let pose = time.map(|time| PoseOption { animation: Some("walk".into()), time });
     let options = LoadOptions { pose, ..LoadOptions::default() };
-    load_from(&files, "figure.glb".as_ref(), &options).unwrap()
+    load_with("builtin:walker", &options).unwrap()
 }
 
 /// World-space corners of all triangles.

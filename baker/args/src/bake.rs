@@ -53,7 +53,7 @@ pub struct BakeArgs {
     ///
     /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
     /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,
-    /// builtin:arcade, builtin:corridor, builtin:attic, builtin:maze, builtin:office, builtin:furnace and builtin:trophy.
+    /// builtin:arcade, builtin:corridor, builtin:attic, builtin:maze, builtin:office, builtin:furnace, builtin:trophy and builtin:walker.
     pub scene: String,
     /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]

@@ -17,7 +17,7 @@ use rebounce_args::load::LoadArgs;
 pub struct ReferenceArgs {
     /// A .gltf, .glb or .step file, or builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
     /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:two-rooms-leaf, builtin:two-rooms-leaf-open,
-    /// builtin:arcade, builtin:corridor, builtin:attic, builtin:maze, builtin:office, builtin:furnace, builtin:trophy
+    /// builtin:arcade, builtin:corridor, builtin:attic, builtin:maze, builtin:office, builtin:furnace, builtin:trophy, builtin:walker
     scene: String,
     #[command(flatten)]
     load: LoadArgs,

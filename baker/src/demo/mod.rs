@@ -15,6 +15,8 @@ mod sky;
 mod theatre;
 mod trophy;
 mod two_rooms;
+#[cfg(feature = "gltf")]
+pub mod walker;
 mod walls;
 
 use crate::scene::world_mesh::WorldMesh;
@@ -27,7 +29,7 @@ use std::f64::consts::TAU;
 use two_rooms::Door;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 20] = [
+pub const NAMES: [&str; 21] = [
     "apartment",
     "arcade",
     "attic",
@@ -48,7 +50,19 @@ pub const NAMES: [&str; 20] = [
     "two-rooms-door",
     "two-rooms-leaf",
     "two-rooms-leaf-open",
+    WALKER,
 ];
+/// A [file](file) in place of a scene.
+const WALKER: &str = "walker";
+
+/// The .glb file of a built-in scene that is one: `io::load` reads it as others. `None` for the others, which [`load`] generates.
+pub fn file(name: &str) -> Option<Vec<u8>> {
+    match name {
+        #[cfg(feature = "gltf")]
+        WALKER => Some(walker::glb()),
+        _ => None,
+    }
+}
 
 /// Generates the built-in scene of this name.
 ///

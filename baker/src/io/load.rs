@@ -2,6 +2,8 @@
 
 use super::Files;
 use super::files::Disk;
+#[cfg(feature = "demo-scenes")]
+use super::files::Memory;
 use super::options::LoadOptions;
 #[cfg(feature = "demo-scenes")]
 use super::options::UNUSED_ALBEDO;
@@ -17,7 +19,8 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
     load_with(spec, &LoadOptions::default())
 }
 
-/// Loads a scene with options. `builtin:NAME` is a single scene, and all meshes of built-in scenes have materials.
+/// Loads a scene with options. `builtin:NAME` is a single scene, and all meshes of built-in scenes have materials; but for
+/// `builtin:walker`, which is a file as others.
 ///
 /// # Errors
 /// [`SceneError`], with the file's name and advice.
@@ -42,6 +45,10 @@ fn file(files: &dyn Files, path: &str, options: &LoadOptions) -> Result<Scene, S
 
 #[cfg(feature = "demo-scenes")]
 fn builtin(spec: &str, name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    if let Some(bytes) = crate::demo::file(name) {
+        let path = format!("{name}.glb");
+        return file(&Memory::from_iter([(path.clone(), bytes)]), &path, options);
+    }
     if let Some(wanted) = options.scene.clone() {
         return Err(SceneError::NoScene {
             file: spec.to_owned(),

@@ -1,7 +1,7 @@
 //! Writes the walking figure: `cargo run -p rebounce-tests --bin figure FIGURE.glb`.
 
 use anyhow::{Context, Result};
-use rebounce_tests::figure::glb;
+use rebounce::demo::walker::glb;
 
 fn main() -> Result<()> {
     let path = std::env::args_os().nth(1).context("give the file to write, as in figure.glb")?;

@@ -1,8 +1,14 @@
 //! A walking figure as a .glb file: a mannequin of capsules, skinned to eleven joints, with a walk cycle.
 //!
 //! It stands at the origin, faces +z and walks along it; animation `walk`, [`SECONDS`] long.
+//!
+//! * here: bones, skin, walk; `file` – the container.
 
-use glam::{DQuat, DVec3};
+mod file;
+
+use file::{Chunk, container};
+use glam::DVec3;
+use rebounce_shared::elementary::Elementary;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
@@ -71,8 +77,8 @@ fn bones() -> Vec<Bone> {
 /// Turn of a bone about x at a phase of the cycle, 0 to 1, radians; positive swings it back.
 fn turn(bone: &Bone, phase: f64) -> f64 {
     let is_left = bone.name.starts_with("left");
-    let swing = (TAU * (phase + if is_left { 0.0 } else { 0.5 })).sin();
-    let lift = (TAU * (phase + if is_left { 0.2 } else { 0.7 })).sin().max(0.0);
+    let swing = (TAU * (phase + if is_left { 0.0 } else { 0.5 })).sine();
+    let lift = (TAU * (phase + if is_left { 0.2 } else { 0.7 })).sine().max(0.0);
     match bone.name.rsplit(' ').next() {
         Some("thigh") => -0.45 * swing,
         Some("shin") => 0.15 + 0.85 * lift,
@@ -110,8 +116,8 @@ impl Skinned {
             let radius = bone.radius[usize::from(is_end)];
             let middle = if is_end { bone.end } else { bone.joint };
             for column in 0..=AROUND {
-                let (sine, cosine) = (TAU * column as f64 / AROUND as f64).sin_cos();
-                let normal = angle.sin() * (cosine * first + sine * second) - angle.cos() * along;
+                let (sine, cosine) = (TAU * column as f64 / AROUND as f64).sine_cosine();
+                let normal = angle.sine() * (cosine * first + sine * second) - angle.cosine() * along;
                 let place = middle + radius * normal;
                 self.positions.extend(place.as_vec3().to_array());
                 self.normals.extend(normal.as_vec3().to_array());
@@ -129,48 +135,6 @@ impl Skinned {
                 self.indices.extend([a, b, c, a, c, d]);
             }
         }
-    }
-}
-
-/// The binary chunk, with views and accessors.
-#[derive(Default)]
-struct Chunk {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Chunk {
-    /// Adds an accessor; returns its number.
-    fn add(
-        &mut self,
-        bytes: &[u8],
-        component: u32,
-        kind: &str,
-        count: usize,
-        range: Option<[Value; 2]>,
-    ) -> usize {
-        self.views.push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()}));
-        self.bytes.extend(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let view = self.views.len() - 1;
-        let mut accessor =
-            json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
-        if let Some([low, high]) = range {
-            (accessor["min"], accessor["max"]) = (low, high);
-        }
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-
-    fn floats(&mut self, numbers: &[f32], kind: &str, width: usize) -> usize {
-        let column = |pick: fn(f32, f32) -> f32| -> Value {
-            (0..width)
-                .map(|i| numbers.iter().skip(i).step_by(width).copied().reduce(pick).unwrap_or(0.0))
-                .collect()
-        };
-        let range = [column(f32::min), column(f32::max)];
-        self.add(bytemuck::cast_slice(numbers), 5126, kind, numbers.len() / width, Some(range))
     }
 }
 
@@ -250,31 +214,18 @@ fn walk(bones: &[Bone], chunk: &mut Chunk) -> (Vec<Value>, Vec<Value>) {
     };
     // Highest where the legs pass each other.
     let place = |time: &f64| {
-        let bob = 0.02 * (2.0 * TAU * phase(time)).cos();
+        let bob = 0.02 * (2.0 * TAU * phase(time)).cosine();
         (bones[0].joint + DVec3::new(0.0, bob - 0.03, SPEED * time)).as_vec3().to_array()
     };
     let places: Vec<f32> = times.iter().flat_map(place).collect();
     push(0, "translation", chunk.floats(&places, "VEC3", 3));
     for (number, bone) in bones.iter().enumerate() {
-        let turned = |time: &f64| DQuat::from_rotation_x(turn(bone, phase(time))).as_quat().to_array();
+        let turned = |time: &f64| {
+            let (sine, cosine) = (0.5 * turn(bone, phase(time))).sine_cosine();
+            [sine as f32, 0.0, 0.0, cosine as f32]
+        };
         let turns: Vec<f32> = times.iter().flat_map(turned).collect();
         push(number, "rotation", chunk.floats(&turns, "VEC4", 4));
     }
     (channels, samplers)
-}
-
-/// Puts JSON and bytes into a container.
-fn container(mut json: Vec<u8>, bytes: Vec<u8>) -> Vec<u8> {
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let length = 12 + 8 + json.len() + 8 + bytes.len();
-    let mut out = b"glTF".to_vec();
-    for word in [2, length as u32, json.len() as u32] {
-        out.extend(word.to_le_bytes());
-    }
-    out.extend(b"JSON");
-    out.extend(json);
-    out.extend((bytes.len() as u32).to_le_bytes());
-    out.extend(b"BIN\0");
-    out.extend(bytes);
-    out
 }
