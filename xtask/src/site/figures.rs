@@ -25,7 +25,7 @@ pub fn of_bake(scene: &str, report: &Path) -> Result<Values> {
 }
 
 /// Frame times, measured in headless Chromium with the site in `out`, at the given size: `frame-VIEW` for every
-/// view with a shot, in milliseconds, the `adapter`, and `frame-size`.
+/// view that is timed, in milliseconds, the `adapter`, and `frame-size`.
 ///
 /// # Errors
 /// If the measurement fails.
@@ -33,7 +33,7 @@ pub fn of_frames(out: &Path, [width, height]: [u32; 2]) -> Result<Values> {
     let mut node = web::node();
     node.arg("test/figures.mjs").arg(out).args([width, height].map(|length| length.to_string()));
     node.args(
-        VIEWS.iter().filter(|view| view.has_shot).map(|View { name, scene, .. }| format!("{name}:{scene}")),
+        VIEWS.iter().filter(|view| view.is_timed).map(|View { name, scene, .. }| format!("{name}:{scene}")),
     );
     let line = process::line(&node);
     println!("> {line}");

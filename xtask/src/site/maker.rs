@@ -1,6 +1,6 @@
 //! Scenes and pictures, made by `rebounce`.
 
-use super::{Quality, SAMPLES, View, entries};
+use super::{Quality, SAMPLES, View, WALK, entries};
 use crate::{process, web};
 use anyhow::{Context, Result};
 use std::fs;
@@ -39,7 +39,14 @@ impl<'a> Maker<'a> {
             let _ = fs::remove_file(self.work.join(format!("{name}.rbn")));
         }
         let baked = self.made(&format!("{name}.rbn"), &[], |command| {
-            self.bake(command, Path::new(&format!("builtin:{name}")));
+            match name {
+                // From the kitchen into the living room.
+                WALK => {
+                    self.bake(command, Path::new("builtin:apartment"));
+                    command.args(["--add", "builtin:walker", "--at", "2.65,0,1.2"]);
+                }
+                _ => self.bake(command, Path::new(&format!("builtin:{name}"))),
+            }
             command.arg("--report").arg(&report);
         })?;
         Ok((baked, report))

@@ -62,21 +62,26 @@ pub struct View {
     scene: &'static str,
     /// Whether camera and lights come from `shots/NAME.json`; otherwise from the scene.
     has_shot: bool,
+    /// Whether the pages tell the time of a frame.
+    is_timed: bool,
     /// Width over height.
     shape: [u32; 2],
 }
 
 /// Built-in scenes shown on the pages.
 const SCENES: [&str; 4] = ["cornell-box", "apartment", "library", "gallery"];
+/// The apartment with somebody in it.
+const WALK: &str = "walk";
 /// Views of the viewers on the pages.
-const VIEWS: [View; 7] = [
-    View { name: "hero", scene: "apartment", has_shot: true, shape: [1, 1] },
-    View { name: "apartment", scene: "apartment", has_shot: false, shape: [16, 9] },
-    View { name: "library", scene: "library", has_shot: false, shape: [16, 9] },
-    View { name: "evening", scene: "apartment", has_shot: true, shape: [4, 3] },
-    View { name: "reading", scene: "library", has_shot: true, shape: [4, 3] },
-    View { name: "hall", scene: "gallery", has_shot: true, shape: [4, 3] },
-    View { name: "blocks", scene: "cornell-box", has_shot: true, shape: [4, 3] },
+const VIEWS: [View; 8] = [
+    View { name: "hero", scene: "apartment", has_shot: true, is_timed: false, shape: [1, 1] },
+    View { name: "apartment", scene: "apartment", has_shot: false, is_timed: false, shape: [16, 9] },
+    View { name: "library", scene: "library", has_shot: false, is_timed: false, shape: [16, 9] },
+    View { name: WALK, scene: WALK, has_shot: true, is_timed: false, shape: [16, 9] },
+    View { name: "evening", scene: "apartment", has_shot: true, is_timed: true, shape: [4, 3] },
+    View { name: "reading", scene: "library", has_shot: true, is_timed: true, shape: [4, 3] },
+    View { name: "hall", scene: "gallery", has_shot: true, is_timed: true, shape: [4, 3] },
+    View { name: "blocks", scene: "cornell-box", has_shot: true, is_timed: true, shape: [4, 3] },
 ];
 
 /// What the bundle for three.js fetches from its own folder.
@@ -143,6 +148,7 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
         values.extend(figures::of_bake(name, &report)?);
         files.push((format!("scenes/{name}.rbn"), baked));
     }
+    files.push((format!("scenes/{WALK}.rbn"), maker.baked(WALK)?.0));
     for view in &VIEWS {
         let shot = view.has_shot.then(|| site.join(format!("shots/{}.json", view.name)));
         files.push((format!("images/{}.png", view.name), maker.picture(view, shot.as_deref())?));
