@@ -1,7 +1,7 @@
 //! Renders a .rbn file without a window:
 //!
 //! `headless FILE.rbn [SHOT.json] OUT.png [--size WxH] [--mode MODE] [--overlay OVERLAY] [--shadows TEXELS]
-//! [--every-pixel] [--compare INDIRECT.exr [--all] [--from FLOATS]]`
+//! [--every-pixel] [--solver NAME] [--compare INDIRECT.exr [--all] [--from FLOATS]]`
 //!
 //! `--every-pixel` looks the bounced light up in every pixel, where usually most are interpolated.
 //!
@@ -13,7 +13,7 @@
 use anyhow::{Context, Result, bail};
 use common::{open, screen::screen, set_shot};
 use rebounce_viewer::gpu::Gpu;
-use rebounce_viewer::settings::{Mode, Overlay};
+use rebounce_viewer::settings::{Mode, Overlay, SolverChoice};
 use rebounce_viewer::stats::Counts;
 use std::path::Path;
 use std::time::Instant;
@@ -22,6 +22,7 @@ mod common;
 
 fn main() -> Result<()> {
     let mut files = Vec::new();
+    let mut solver = SolverChoice::Auto;
     let (mut mode, mut overlay, mut size) = (Mode::All, Overlay::None, None);
     let (mut compare, mut from, mut shadows, mut every_pixel, mut all) = (None, None, None, false, false);
     let mut arguments = std::env::args().skip(1);
@@ -33,6 +34,7 @@ fn main() -> Result<()> {
             "--compare" => compare = Some(value()?),
             "--from" => from = Some(value()?),
             "--shadows" => shadows = Some(value()?.parse()?),
+            "--solver" => solver = SolverChoice::parse(&value()?)?,
             "--every-pixel" => every_pixel = true,
             "--all" => all = true,
             "--size" => {
@@ -53,6 +55,7 @@ fn main() -> Result<()> {
     let [width, height] = size.unwrap_or(picture_size);
     renderer.set_mode(mode);
     renderer.set_every_pixel(every_pixel);
+    renderer.set_solver(solver);
     if let Some(size) = shadows {
         renderer.set_largest_shadow_map(size);
     }

@@ -1,6 +1,9 @@
 //! Bounced light around a walking figure, by several ways, against path tracing, as a table of Markdown:
 //!
-//! `walking [--poses N] [--bins N] [--elements N] [--functions N]`.
+//! `walking [--poses N] [--bins N] [--elements N] [--functions N] [--preset NAME] [--step SECONDS]`.
+//!
+//! With `--step`, how much the light changes within so many seconds of the walk, by antiradiance and by path tracing with the
+//! same paths: light that pops changes more than it should.
 //!
 //! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at random patches of the room, of
 //! antiradiance the mean of near patches, as points of a file have it:
@@ -57,19 +60,39 @@ struct Room {
 
 fn main() -> Result<()> {
     let (mut poses, mut bins, mut elements, mut functions) = (10, 128, 6_000, 6_000);
+    let (mut preset, mut step) = (Preset::Draft, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let number = arguments.next().with_context(|| format!("{argument} needs a value"))?;
+        match argument.as_str() {
+            "--preset" => {
+                preset = match number.as_str() {
+                    "draft" => Preset::Draft,
+                    "standard" => Preset::Standard,
+                    "fine" => Preset::Fine,
+                    _ => anyhow::bail!("there is no preset {number}"),
+                };
+                continue;
+            }
+            "--step" => {
+                step = Some(number.parse::<f64>().with_context(|| number)?);
+                continue;
+            }
+            _ => {}
+        }
         let number: usize = number.parse().with_context(|| number)?;
         match argument.as_str() {
             "--poses" => poses = number,
             "--bins" => bins = number,
             "--elements" => elements = number,
             "--functions" => functions = number,
-            _ => anyhow::bail!("there are --poses, --bins, --elements and --functions"),
+            _ => anyhow::bail!("there are --poses, --bins, --elements, --functions, --preset and --step"),
         }
     }
-    let room = Room::new(bins, elements, functions)?;
+    let room = Room::new(bins, elements, functions, preset)?;
+    if let Some(step) = step {
+        return room.changes(poses, step);
+    }
     println!(
         "Relative RMS of the irradiance at {PLACES} patches of the room, and the bias; the same of those within\n\
          {NEAR} m of the figure.\n"
@@ -84,7 +107,7 @@ fn main() -> Result<()> {
 }
 
 impl Room {
-    fn new(bins: usize, elements: usize, functions: usize) -> Result<Self> {
+    fn new(bins: usize, elements: usize, functions: usize, preset: Preset) -> Result<Self> {
         let mut scene = rebounce::io::load("builtin:cornell-box")?;
         // Two triangles a quad: the two blocks are last.
         let walls = scene.triangle_material.len() - 20;
@@ -93,7 +116,7 @@ impl Room {
         if !scene.corner_colors.is_empty() {
             scene.corner_colors.truncate(walls);
         }
-        let mut settings = BakeSettings::new(Preset::Draft);
+        let mut settings = BakeSettings::new(preset);
         settings.place.functions = functions;
         let (baked, _) = bake(&scene, &settings.normalised(), &())?;
         let finest = baked.display().map(|i| &baked.points[i]);
@@ -113,9 +136,7 @@ impl Room {
         let mut patches = self.patches.clone();
         patches.extend(figure);
         let direct: Vec<Vec3> = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
-        // At random: patches follow each other as they were halved, and every n-th one is the same corner of its square.
-        let mut stream = Stream::new(1, 1);
-        let seen: Vec<usize> = (0..PLACES).map(|_| stream.bits() as usize % count).collect();
+        let seen = self.seen();
         let truth = [0, 1].map(|seed| {
             let path = |i: &usize| traced(&surfaces, &lamps, &patches[*i], seed);
             seen.par_iter().map(path).collect::<Vec<_>>()
@@ -155,6 +176,56 @@ impl Room {
             format!("{error:.3}, {bias:+.3}; {error_near:.3}, {bias_near:+.3}")
         });
         Ok(format!("| {time:.2} | {} | {} |", patches.len(), columns.join(" | ")))
+    }
+
+    /// Prints how much the light of poses changes within `step` seconds.
+    fn changes(&self, poses: usize, step: f64) -> Result<()> {
+        println!(
+            "RMS change of the irradiance at {PLACES} patches of the room within {step} s, as a share of its RMS.\n"
+        );
+        println!("| seconds | antiradiance | path tracing | ratio |\n|---|---|---|---|");
+        for pose in 0..poses {
+            let time = (walker::SECONDS - step) * (pose as f64 + 0.5) / poses as f64;
+            let [(before, truth), (after, later)] = [self.moment(time)?, self.moment(time + step)?];
+            let (mut found, mut traced, mut power) = (0.0, 0.0, 0.0);
+            for i in 0..before.len() {
+                found += (after[i] - before[i]).length_squared();
+                // Of two estimates with noise of their own.
+                let [one, other] = [0, 1].map(|seed| later[seed][i] - truth[seed][i]);
+                traced += one.dot(other);
+                power += truth[0][i].dot(truth[1][i]);
+            }
+            let [found, traced] = [found, traced].map(|sum: f32| (sum.max(0.0) / power).sqrt());
+            println!("| {time:.2} | {found:.4} | {traced:.4} | {:.2} |", found / traced);
+        }
+        Ok(())
+    }
+
+    /// Light at the patches that are looked at, by antiradiance and by two estimates of path tracing.
+    fn moment(&self, time: f64) -> Result<(Vec<Vec3>, [Vec<Vec3>; 2])> {
+        let (whole, figure) = self.with_figure(time)?;
+        let surfaces = TriangleSurfaces::simplified(&whole);
+        let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
+        let count = self.patches.len();
+        let mut patches = self.patches.clone();
+        patches.extend(figure);
+        let direct = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
+        let solver = AntiradianceSolver::new(&patches, &self.settings, &Pool);
+        let found = solver.solve(&solver.even_light(direct), &self.settings, &Pool, &mut ()).0;
+        let found = self.smooth(&found[..count]);
+        let seen = self.seen();
+        let truth = [0, 1].map(|seed| {
+            let path = |i: &usize| traced(&surfaces, &lamps, &patches[*i], seed);
+            seen.par_iter().map(path).collect::<Vec<_>>()
+        });
+        Ok((seen.iter().map(|i| found[*i]).collect(), truth))
+    }
+
+    /// Patches of the room that are looked at, at random: they follow each other as they were halved, and every n-th one is the
+    /// same corner of its square.
+    fn seen(&self) -> Vec<usize> {
+        let mut stream = Stream::new(1, 1);
+        (0..PLACES).map(|_| stream.bits() as usize % self.patches.len()).collect()
     }
 
     /// The room with the figure, and the figure's patches in the room's local space.

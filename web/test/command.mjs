@@ -214,7 +214,7 @@ export async function commandTests(harness, { work, rebounce, command, native, v
     }
   });
 
-  await harness.test("command::damaged_scenes_come_to_the_same_with_both_programs", async () => {
+  await harness.long("command::damaged_scenes_come_to_the_same_with_both_programs", async () => {
     const [{ bake }, { bake: bakeInPage }] = await Promise.all(
       ["rebounce-cli/dist/index.js", "rebounce-viewer/dist/bake.js"].map((file) => import(pathToFileURL(path.join(folder, "node_modules", file)).href)),
     );

@@ -46,7 +46,7 @@ export async function threeApps(harness, { browser, work, rebounce, tools }) {
     });
   });
 
-  await harness.test("package::an_app_with_react_three_fiber_is_lit", async () => {
+  await harness.long("package::an_app_with_react_three_fiber_is_lit", async () => {
     const folder = await tools.install("fiber");
     await mkdir(path.join(folder, "src"), { recursive: true });
     for (const file of ["Rebounce.jsx", "main.jsx"]) await writeFile(path.join(folder, "src", file), await block(PAGE, file));

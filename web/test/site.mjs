@@ -23,6 +23,7 @@ export async function runSiteTests(harness, folder) {
       await harness.test(`site::${name.replace(".html", "")}_is_sound_and_accessible`, () => sound(context, name));
     }
     await harness.test("site::the_sun_and_the_lamps_follow_the_hour", () => apartment(context));
+    await harness.test("site::the_figure_walks_and_its_light_with_it", () => walk(context));
     await harness.test("site::the_comparison_moves_by_keyboard", () => comparison(context));
     await harness.test("site::the_hero_fills_its_frame", () => hero(context));
     await harness.long("site::a_visitor_bakes_a_sample_and_saves_it", () => sample(context));
@@ -215,6 +216,34 @@ async function apartment(context) {
   await page.getByRole("button", { name: "Study" }).click();
   const camera = await page.evaluate(() => document.querySelector("rebounce-viewer").camera);
   check(Math.abs(camera.position[0] - 6.4) < 0.01, `the camera is at ${camera.position}`);
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+async function walk(context) {
+  const { page, faults } = await open(context, "walk.html");
+  await loaded(page);
+  await page.locator("#walk").waitFor();
+  const seen = () =>
+    page.evaluate(async () => {
+      const viewer = document.getElementById("viewer");
+      const pixels = Array.from(await viewer.readPixels(64, 36));
+      const { solver, antiradiance } = viewer.stats();
+      return { pixels, solver, links: antiradiance?.links, time: viewer.shot.time };
+    });
+  const apart = (a, b) => a.pixels.filter((value, i) => Math.abs(value - b.pixels[i]) > 8).length / a.pixels.length;
+  const first = await seen();
+  equal(first.solver, "antiradiance", "what computes bounced light");
+  check(Math.abs(first.time - 1.8) < 1e-6, `it begins at ${first.time} s`);
+  await page.locator("#moment").fill("3.2");
+  const later = await seen();
+  equal(await page.locator("#seconds").textContent(), "3.2 s", "the moment");
+  check(apart(first, later) > 0.02, `${apart(first, later)} of the picture has changed`);
+  check(later.links > 0 && later.links !== first.links, `${first.links} links, then ${later.links}`);
+  await page.getByRole("radio", { name: "does not" }).check();
+  equal((await seen()).solver, "operator", "what computes bounced light without the figure");
+  await page.getByRole("radio", { name: "Afternoon sun" }).check();
+  check(apart(later, await seen()) > 0.2, "the sun changes little");
   equal(faults.join("\n"), "", "faults");
   await page.close();
 }

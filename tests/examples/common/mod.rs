@@ -52,5 +52,12 @@ pub fn set_shot(renderer: &mut Renderer, file: &Path) -> Result<[u32; 2]> {
     if !shot.moves.is_empty() {
         renderer.move_named(&shot.moves)?;
     }
+    if shot.is_animated() {
+        let animations = renderer.rig_animations();
+        let number = shot.animation.as_ref().map_or(Some(0), |name| {
+            animations.iter().position(|own| own.name == *name).or_else(|| name.parse().ok())
+        });
+        renderer.pose(number, shot.time.unwrap_or_default())?;
+    }
     Ok(shot.size)
 }

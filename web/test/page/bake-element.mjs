@@ -81,7 +81,7 @@ export async function bakeElement(harness, context) {
   const expected = await commandBake(context, box, { preset: "draft" });
   await writeFile(path.join(root, "box.rbn"), expected);
   try {
-    await harness.test("bake-element::a_glb_is_lit_while_it_is_baked_and_has_the_commands_bytes", async () => {
+    await harness.long("bake-element::a_glb_is_lit_while_it_is_baked_and_has_the_commands_bytes", async () => {
       const { page, faults, baked } = await opened(context, server.address);
       await page.evaluate(() => (viewer.src = "box.glb"));
       equal((await outcome(page)).type, "load", "the event");

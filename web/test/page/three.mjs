@@ -434,7 +434,7 @@ export async function three(harness, context) {
     });
 
     for (const webgl of ["node", "classic"]) {
-      await (webgl === "classic" ? test : long)(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
+      await long(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
         const { lit, dark } = await page.evaluate(async ({ glb, rbn, webgl, at }) => {
           const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, ballAt } = stage;
           const renderer = await rendererOf({ webgl });
