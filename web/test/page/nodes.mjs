@@ -279,6 +279,12 @@ export async function nodes(harness, context) {
     await linked.evaluate(() => (viewer.nodes.block.translation = [0.4, 0, 0.3]));
     check(await linked.evaluate(() => viewer.stats().solving), "nothing is on its way");
     await within("the light", linked.evaluate(() => settled()));
+    // The panel has the choice.
+    await linked.evaluate(() => (viewer.controls = true));
+    await linked.getByText("Lights and settings").click();
+    await linked.getByText("Picture", { exact: true }).click();
+    await linked.getByRole("radio", { name: "Links" }).check();
+    equal(await linked.evaluate(() => viewer.stats().solver), "operator", "what the panel has chosen");
     equal(seenFaults.join("\n"), "", "faults");
     await linked.close();
   });
