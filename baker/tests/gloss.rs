@@ -43,7 +43,7 @@ pub fn empty(materials: Vec<Material>, eye: Vec3) -> Scene {
 }
 
 /// Adds a parallelogram; its front is on the side of u × v.
-fn add_quad(scene: &mut Scene, middle: Vec3, [u, v]: [Vec3; 2], material: u32) {
+pub fn add_quad(scene: &mut Scene, middle: Vec3, [u, v]: [Vec3; 2], material: u32) {
     let first = scene.positions.len() as u32;
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     scene.positions.extend(corners.map(|[a, b]| middle + a * u + b * v));

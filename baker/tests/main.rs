@@ -1,6 +1,8 @@
 //! Tests of the baker, in one program: a program per test file would link the library repeatedly.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[cfg(feature = "antiradiance")]
+mod antiradiance;
 mod box_room;
 mod common {
     pub mod boxes;

@@ -5,7 +5,9 @@
 
 use super::patches::Patch;
 use crate::baked::BakedScene;
-use glam::{IVec3, Vec3};
+use crate::elementary::Elementary;
+use crate::footprint::tangents;
+use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -32,8 +34,9 @@ const SAME: f32 = 0.5;
 const PIECES: f32 = 16.0;
 /// Side of a cell of the grid, in sides of a square of a patch's mean area.
 const CELL: f32 = 2.0;
-/// Least area of a patch, as a share of the mean.
-const LEAST: f32 = 0.05;
+/// Greatest distance of a piece from the plane of its point, as a share of that from the point; of pieces that are near, as a share
+/// of a cell.
+const OFF: f32 = 0.3;
 
 /// Points with a patch each: static ones first, then moving ones.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,8 +54,28 @@ pub struct PointPatches {
 struct Surface {
     /// Square scene units.
     area: f32,
+    /// Middle from the point, and axes of the same moments, in the plane of [`tangents`].
+    middle: Vec2,
+    axes: [Vec2; 2],
     /// Roughness, if most of it is metal.
     roughness: Option<f32>,
+}
+
+impl Surface {
+    /// A triangle with this surface's area and, but for a factor, its moments.
+    fn patch(&self, position: Vec3, normal: Vec3) -> Patch {
+        let (u, v) = tangents(normal);
+        let in_space = |place: Vec2| place.x * u + place.y * v;
+        let [long, wide] = self.axes;
+        // Of an equilateral triangle: area = 3√3/4 r².
+        let whole = 1.299_038 * long.perp_dot(wide).abs();
+        let radius = if whole > 0.0 { (self.area / whole).sqrt() } else { 0.0 };
+        let corner = |cosine: f32, sine: f32| {
+            position + in_space(self.middle + radius * (cosine * long + sine * wide))
+        };
+        let corners = [corner(1.0, 0.0), corner(-0.5, 0.866_025_4), corner(-0.5, -0.866_025_4)];
+        Patch { corners, normal, ..Patch::default() }
+    }
 }
 
 impl PointPatches {
@@ -92,14 +115,68 @@ impl PointPatches {
     fn of(&self, numbers: Range<usize>, at: &PointPlaces<'_>) -> Vec<Patch> {
         let patch = |i: usize| {
             let [position, normal] = at(self.points[i] as usize);
-            let Surface { area, roughness } = self.surfaces[i];
-            Patch { roughness, ..Patch::around(position, normal, area, self.albedo[i]) }
+            let surface = &self.surfaces[i];
+            let patch = match i < self.still {
+                true => surface.patch(position, normal),
+                // The tangent plane of what moves turns in itself.
+                false => Patch::around(position, normal, surface.area, Vec3::ZERO),
+            };
+            Patch { albedo: self.albedo[i], roughness: surface.roughness, ..patch }
         };
         numbers.map(patch).collect()
     }
 }
 
-/// What points at `places` stand for: the pieces of surface nearest to each that face the same way.
+/// Sums over the pieces of surface of a point.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    area: f32,
+    /// Areas times places in the tangent plane, and times their products: uu, uv, vv.
+    first: Vec2,
+    second: Vec3,
+    /// Area of metals, and that times their roughness.
+    metal: f32,
+    rough: f32,
+}
+
+impl Moments {
+    fn add(&mut self, area: f32, place: Vec2, roughness: Option<f32>) {
+        self.area += area;
+        self.first += area * place;
+        self.second += area * Vec3::new(place.x * place.x, place.x * place.y, place.y * place.y);
+        if let Some(roughness) = roughness {
+            self.metal += area;
+            self.rough += roughness * area;
+        }
+    }
+
+    fn surface(&self) -> Surface {
+        let Self { area, first, second, metal, rough } = *self;
+        if area <= 0.0 {
+            return Surface::default();
+        }
+        let (middle, second) = (first / area, second / area);
+        let [uu, uv, vv] =
+            (second - Vec3::new(middle.x * middle.x, middle.x * middle.y, middle.y * middle.y)).to_array();
+        // Eigenvectors of the covariance: half the angle of (uu − vv, 2 uv).
+        let (mean, difference) = (0.5 * (uu + vv), 0.5 * (uu - vv));
+        let spread = (difference * difference + uv * uv).sqrt();
+        let (sine, cosine) = (0.5 * uv.arc_tangent2(difference)).sine_cosine();
+        let lengths = [mean + spread, mean - spread].map(|variance| variance.max(0.0).sqrt());
+        // Not narrower than a tenth of its length: pieces are points here.
+        let narrowest = lengths[1].max(0.1 * lengths[0]);
+        let roughness = (metal + metal > area).then(|| rough / metal);
+        Surface {
+            area,
+            middle,
+            axes: [lengths[0] * Vec2::new(cosine, sine), narrowest * Vec2::new(-sine, cosine)],
+            roughness,
+        }
+    }
+}
+
+/// What points at `places` stand for: the pieces of surface nearest to each that lie in its plane and face the same way. What has
+/// no point of its own, as slender legs of chairs beside a wall, is left out.
 fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surface> {
     let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let mut whole = 0.0;
@@ -117,13 +194,15 @@ fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surfa
     let nearest = |place: Vec3, normal: Vec3| {
         let around = (0..27).map(|i| cell(place) + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
         let near = around.filter_map(|cell| grid.get(&cell)).flatten().copied();
-        let facing = near.filter(|number| places[*number as usize][1].dot(normal) > SAME);
+        let fits = |number: &u32| {
+            let [position, own] = places[*number as usize];
+            let way = place - position;
+            own.dot(normal) > SAME && way.dot(own).abs() <= OFF * way.length().max(OFF * side)
+        };
         let distance = |number: &u32| places[*number as usize][0].distance_squared(place);
-        facing.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        near.filter(fits).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
-    // Area, that of metals, and their mean roughness times it.
-    let mut out = vec![[0.0f32; 3]; places.len()];
-    let mut found = 0.0;
+    let mut out = vec![Moments::default(); places.len()];
     let mut open = Vec::new();
     each_triangle(&mut |SceneTriangle { corners, is_two_sided, roughness }| {
         let [a, b, c] = corners;
@@ -137,22 +216,13 @@ fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surfa
             }
             for normal in [normal, -normal].into_iter().take(if is_two_sided { 2 } else { 1 }) {
                 if let Some(number) = nearest(piece.position(), normal) {
-                    let out = &mut out[number as usize];
-                    out[0] += area;
-                    if let Some(roughness) = roughness {
-                        out[1] += area;
-                        out[2] += roughness * area;
-                    }
-                    found += area;
+                    let [position, own] = places[number as usize];
+                    let (u, v) = tangents(own);
+                    let way = piece.position() - position;
+                    out[number as usize].add(area, Vec2::new(way.dot(u), way.dot(v)), roughness);
                 }
             }
         }
     });
-    // Pieces without a point are with the others.
-    let more = whole / found.max(f32::MIN_POSITIVE);
-    let surface = |[area, metal, rough]: &[f32; 3]| Surface {
-        area: (more * area).max(LEAST * mean),
-        roughness: (metal + metal > *area).then(|| rough / metal),
-    };
-    out.iter().map(surface).collect()
+    out.iter().map(Moments::surface).collect()
 }

@@ -46,18 +46,18 @@ pub fn set_shot(renderer: &mut Renderer, file: &Path) -> Result<[u32; 2]> {
         renderer.set_environment(Some(PackedEnvironment::whole(&picture)))?;
     }
     renderer.set_conductors(shot.gloss);
-    renderer.set_camera(shot.camera)?;
     renderer.set_lights(with_emission(&shot.lights, groups.len(), shot.emission))?;
-    renderer.set_mix(shot.mix)?;
-    if !shot.moves.is_empty() {
-        renderer.move_named(&shot.moves)?;
-    }
     if shot.is_animated() {
         let animations = renderer.rig_animations();
         let number = shot.animation.as_ref().map_or(Some(0), |name| {
             animations.iter().position(|own| own.name == *name).or_else(|| name.parse().ok())
         });
         renderer.pose(number, shot.time.unwrap_or_default())?;
+    }
+    renderer.set_camera(shot.camera)?;
+    renderer.set_mix(shot.mix)?;
+    if !shot.moves.is_empty() {
+        renderer.move_named(&shot.moves)?;
     }
     Ok(shot.size)
 }
