@@ -78,7 +78,7 @@ impl Renderer {
         }
         #[cfg(feature = "antiradiance")]
         if let Some(own) = scene.antiradiance.get() {
-            own.relit();
+            own.relit(scene.is_at_rest());
         }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
@@ -93,9 +93,19 @@ impl Renderer {
         let choice = self.still.choose(self.shadows.lights());
         scene.relight.set_lights(&self.gpu, &choice);
         self.lights_evaluated += choice.count() as u64;
-        let stamps =
-            self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute(true, true));
-        scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
+        let stamps = self.timing.as_mut().and_then(|timing| timing.stamps(Pass::Relight));
+        #[cfg(feature = "antiradiance")]
+        let is_done = {
+            let with = (&*self.pipelines, &self.shadows, &self.lit);
+            let both = [true, false].map(|begins| stamps.as_ref().map(|s| s.compute(begins, !begins)));
+            super::moving::relight_beside(&self.gpu, encoder, scene, with, both)
+        };
+        #[cfg(not(feature = "antiradiance"))]
+        let is_done = false;
+        if !is_done {
+            let stamps = stamps.map(|stamps| stamps.compute(true, true));
+            scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
+        }
         self.relights += 1;
         #[cfg(feature = "radiosity")]
         self.light_cube_maps(encoder, scene, Some(self.shadows.group()));

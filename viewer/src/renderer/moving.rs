@@ -1,10 +1,16 @@
 //! Nodes that move, and the bounced light that follows them within a few frames.
 
 use super::Renderer;
+#[cfg(feature = "antiradiance")]
+use super::lighting::Lit;
 use super::pipelines::Pipelines;
 use crate::controls::node_gizmo::StageNode;
 use crate::error::ViewerError;
+#[cfg(feature = "antiradiance")]
+use crate::gpu::Gpu;
 use crate::passes::settings::SolverChoice;
+#[cfg(feature = "antiradiance")]
+use crate::passes::shadow::Shadows;
 #[cfg(feature = "antiradiance")]
 use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
@@ -78,7 +84,8 @@ impl Renderer {
         #[cfg(not(feature = "antiradiance"))]
         let is_by_antiradiance = false;
         let is_by_radiosity = match self.solver {
-            _ if is_by_antiradiance || !scene.relight.is_linked() => true,
+            _ if !scene.relight.is_linked() => true,
+            _ if is_by_antiradiance => false,
             SolverChoice::Auto => moving.is_moved(),
             choice => choice == SolverChoice::Radiosity,
         };
@@ -119,13 +126,15 @@ impl Renderer {
         let Some((own, moving)) = scene.by_antiradiance().zip(scene.moving.as_ref()) else { return };
         let Some(pipelines) = self.pipelines.antiradiance.get() else { return };
         // What moves has more links than a buffer holds: the light stays that of the places before.
+        let lamps = lamps(&self.pipelines, &self.shadows, &self.lit);
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|timing| timing.stamps(Pass::Antiradiance));
         let both = [true, false].map(|begins| stamps.map(|stamps| stamps.compute(begins, !begins)));
-        let layout = &self.pipelines.shadow.layout;
-        let lamps = Lamps { layout, group: self.shadows.group(), count: self.lit.lamps().len() };
-        let _ = own.solve(&self.gpu, encoder, pipelines, (moving, scene.rig.as_ref()), &lamps, both);
-        scene.relight.show_sources(encoder);
+        let from = (moving, scene.rig.as_ref());
+        let _ = own.solve(&self.gpu, encoder, pipelines, from, &lamps, both);
+        if !own.is_beside_operator() {
+            scene.relight.show_sources(encoder);
+        }
         self.dirty.display = true;
     }
 
@@ -261,4 +270,30 @@ impl Renderer {
             self.slice.receivers = (wanted as u32).clamp(*SLICES.start(), *SLICES.end());
         }
     }
+}
+
+/// The lamps, with their shadow maps.
+#[cfg(feature = "antiradiance")]
+fn lamps<'a>(pipelines: &'a Pipelines, shadows: &'a Shadows, lit: &Lit) -> Lamps<'a> {
+    Lamps { layout: &pipelines.shadow.layout, group: shadows.group(), count: lit.lamps().len() }
+}
+
+/// Evaluates lamps and operator where antiradiance adds to its light. Returns whether it does.
+#[cfg(feature = "antiradiance")]
+pub(super) fn relight_beside(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    scene: &GpuScene,
+    (pipelines, shadows, lit): (&Pipelines, &Shadows, &Lit),
+    [begin, end]: [Option<wgpu::ComputePassTimestampWrites<'_>>; 2],
+) -> bool {
+    let own = scene.by_antiradiance().filter(|own| own.is_beside_operator());
+    let Some((own, kernels)) = own.zip(pipelines.antiradiance.get()) else { return false };
+    let [direct, bounced] = scene.relight.parts();
+    let lights = Some(shadows.group());
+    scene.relight.encode_part(encoder, &pipelines.relight, lights, begin, direct);
+    own.take_light(gpu, encoder, kernels, &lamps(pipelines, shadows, lit));
+    scene.relight.encode_part(encoder, &pipelines.relight, lights, end, bounced);
+    own.keep_operator(encoder);
+    true
 }

@@ -170,6 +170,13 @@ impl GpuScene {
         self.moving.as_ref().filter(|_| self.relight.is_by_radiosity())
     }
 
+    /// Whether all is where the file has it.
+    #[cfg(feature = "antiradiance")]
+    pub fn is_at_rest(&self) -> bool {
+        let is_posed = self.rig.as_ref().is_some_and(|rig| rig.moment().is_some());
+        !is_posed && !self.moving.as_ref().is_some_and(Moving::is_moved)
+    }
+
     /// Antiradiance, where it computes bounced light.
     #[cfg(feature = "antiradiance")]
     pub fn by_antiradiance(&self) -> Option<&SceneAntiradiance> {

@@ -157,6 +157,9 @@ modules! {
     /// Antiradiance: irradiance of metals by bin.
     #[cfg(feature = "antiradiance")]
     ARRIVE_LOBES: "antiradiance_pass" "lobe_bins" "arrive_lobes";
+    /// Antiradiance: change of the bounced light of points beside an operator.
+    #[cfg(feature = "antiradiance")]
+    CHANGE_PATCHES: "link" "patch_points" "change_patches";
     /// Antiradiance: K of metals.
     #[cfg(feature = "antiradiance")]
     REFLECT_LOBES: "antiradiance_pass" "lobe_bins" "reflect_lobes";

@@ -1,5 +1,9 @@
 //! Antiradiance as the bounced light of a scene: from direct light at its points to light at its points.
 //!
+//! Of a file with an operator, what is shown is the operator's light and what changes by the motion: the difference of two
+//! solutions, with what moves where it is now and where the operator has it. At rest that is the operator's light. Of a file without,
+//! it is the first of them alone.
+//!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, a finer one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
 //! anew, on the CPU, and the tables stay.
@@ -7,7 +11,7 @@
 use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{ComputeKernel, buffer, group, part};
+use crate::gpu::bindings::{ComputeKernel, buffer, empty_buffer, group, part};
 use crate::gpu::scope::Scope;
 use crate::scene::moving::Moving;
 use crate::scene::relight::Relight;
@@ -66,11 +70,21 @@ pub struct AntiradianceCounts {
     pub iterations: u32,
 }
 
+/// What is shown beside an operator.
+struct BesideOperator {
+    /// The light with what moves at rest.
+    at_rest: RefCell<GpuAntiradiance>,
+    /// By point: light of the operator, and what changes of it.
+    operator: wgpu::Buffer,
+    change: wgpu::Buffer,
+}
+
 /// The solver of a scene, with its light.
 pub struct SceneAntiradiance {
     patches: PointPatches,
     elements: RefCell<MovingElements>,
     light: RefCell<GpuAntiradiance>,
+    beside: Option<BesideOperator>,
     counts: Cell<AntiradianceCounts>,
     /// Steps still to take.
     left: Cell<u32>,
@@ -82,6 +96,8 @@ pub struct SceneAntiradiance {
     points: wgpu::Buffer,
     patch_of: wgpu::Buffer,
     irradiance: wgpu::Buffer,
+    /// Direct light of the patches, and of metals by bin.
+    direct: [wgpu::Buffer; 2],
     display: wgpu::Buffer,
     push: [wgpu::Buffer; 2],
     uniforms: wgpu::Buffer,
@@ -119,8 +135,19 @@ impl SceneAntiradiance {
         let patches =
             PointPatches::new(scene, &moves, MOST, (&each, &|point| moving.placed_point(&motions, point)));
         let settings = SolverSettings::default();
-        let there = patches.patches(&places(moving, &riders));
-        let elements = MovingElements::new(there, patches.still, settings, &Serial);
+        let own = Scope::new(gpu);
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
+        let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
+        let mut elements = MovingElements::new(patches.patches(&at_rest), patches.still, settings, &Serial);
+        let beside = relight.is_linked().then(|| {
+            let light = GpuAntiradiance::new(gpu, pipelines, &elements.solver(), Iteration::Ordered)?;
+            let count = scene.points.len();
+            let [operator, change] = ["operator", "change"].map(|label| colours(label, count));
+            Ok::<_, ViewerError>(BesideOperator { at_rest: light.into(), operator, change })
+        });
+        let beside = beside.transpose()?;
+        elements.follow(&patches.moving(&places(moving, &riders)), &Serial);
         let (light, counts, glossy) = {
             let solver = elements.solver();
             let light = GpuAntiradiance::new(gpu, pipelines, &solver, Iteration::Ordered)?;
@@ -132,7 +159,6 @@ impl SceneAntiradiance {
             };
             (light, counts, solver.lobes.patches)
         };
-        let own = Scope::new(gpu);
         let mut patch_of = vec![NONE; scene.points.len()];
         for (number, point) in (0..).zip(&patches.points) {
             patch_of[*point as usize] = number;
@@ -144,6 +170,10 @@ impl SceneAntiradiance {
             (stored("points of patches", &patches.points), stored("patches of points", &patch_of));
         let of_glossy: Vec<u32> = glossy.iter().map(|patch| patches.points[*patch as usize]).collect();
         let point_of_glossy = stored("points of glossy patches", &of_glossy);
+        let direct = [
+            colours("direct of patches", patches.points.len()),
+            colours("direct of metals", glossy.len() * (counts.bins + 1)),
+        ];
         let mut uniforms = Uniforms::default();
         let mut dispatch = |first: usize, count: usize| {
             let (first, all) = (first as u32, count as u32);
@@ -161,6 +191,7 @@ impl SceneAntiradiance {
             patches,
             elements: elements.into(),
             light: light.into(),
+            beside,
             counts: counts.into(),
             left: ENOUGH.into(),
             is_unlinked: false.into(),
@@ -169,6 +200,7 @@ impl SceneAntiradiance {
             points: relight.points.clone(),
             patch_of,
             irradiance: relight.irradiance.clone(),
+            direct,
             display: relight.display.clone(),
             push: [upload.push_offsets.clone(), upload.push_entries.clone()],
             uniforms,
@@ -181,7 +213,8 @@ impl SceneAntiradiance {
 
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        self.own.bytes() + self.light.borrow().bytes()
+        let beside = self.beside.as_ref().map_or(0, |beside| beside.at_rest.borrow().bytes());
+        self.own.bytes() + self.light.borrow().bytes() + beside
     }
 
     /// Elements, links, bins and steps.
@@ -189,14 +222,29 @@ impl SceneAntiradiance {
         self.counts.get()
     }
 
-    /// Notes that the direct light at the points has changed.
-    pub fn relit(&self) {
-        self.left.set(ENOUGH);
+    /// Whether it adds to an operator's light.
+    pub fn is_beside_operator(&self) -> bool {
+        self.beside.is_some()
+    }
+
+    /// Notes that the direct light at the points has changed. Beside an operator there is nothing to add where all is at rest.
+    pub fn relit(&self, is_at_rest: bool) {
+        self.left.set(if is_at_rest && self.beside.is_some() { 0 } else { ENOUGH });
+    }
+
+    /// Encodes a copy of the operator's light.
+    pub fn keep_operator(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(BesideOperator { operator, .. }) = &self.beside {
+            encoder.copy_buffer_to_buffer(&self.display, 0, operator, 0, operator.size());
+        }
     }
 
     /// Encodes the end of all light: no lamp shines.
     pub fn darken(&self, encoder: &mut wgpu::CommandEncoder) {
         self.light.borrow_mut().restart(encoder);
+        if let Some(beside) = &self.beside {
+            beside.at_rest.borrow_mut().restart(encoder);
+        }
         self.left.set(0);
     }
 
@@ -230,17 +278,48 @@ impl SceneAntiradiance {
         }
         let steps = self.left.get().min(STEPS);
         self.left.set(self.left.get() - steps);
-        let mut light = self.light.borrow_mut();
-        let lit = [&self.point_of, &self.irradiance, light.direct()];
-        self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[self.lit]);
-        self.light_lobes((gpu, encoder), pipelines, &light, lamps);
-        (0..steps).for_each(|_| light.step(encoder, pipelines));
+        if self.beside.is_none() {
+            self.take_light(gpu, encoder, pipelines, lamps);
+        }
+        // An empty pass has the time of the begin.
+        let lit = [&self.point_of, &self.irradiance, &self.direct[0]];
+        self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[]);
         let [offsets, entries] = &self.push;
-        let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
-        self.run((gpu, encoder), end, &pipelines.show_patches, &shown, &self.shown);
+        let mut light = self.light.borrow_mut();
+        let all = |light: &mut GpuAntiradiance, encoder: &mut wgpu::CommandEncoder| {
+            light.take_direct(encoder, self.direct.each_ref());
+            (0..steps).for_each(|_| light.step(encoder, pipelines));
+        };
+        all(&mut light, encoder);
+        match &self.beside {
+            Some(BesideOperator { at_rest, operator, change }) => {
+                let mut at_rest = at_rest.borrow_mut();
+                all(&mut at_rest, encoder);
+                let (now, at_rest) = (light.irradiance(), at_rest.irradiance());
+                let shown = [&self.patch_of, now, at_rest, offsets, entries, operator, change, &self.display];
+                self.run((gpu, encoder), end, &pipelines.change_patches, &shown, &self.shown);
+            }
+            None => {
+                let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
+                self.run((gpu, encoder), end, &pipelines.show_patches, &shown, &self.shown);
+            }
+        }
         let counts = self.counts.get();
         self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
         Ok(())
+    }
+
+    /// Takes the direct light of the points, before the light of an operator is added to it.
+    pub fn take_light(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &AntiradiancePipelines,
+        lamps: &Lamps<'_>,
+    ) {
+        let lit = [&self.point_of, &self.irradiance, &self.direct[0]];
+        self.run((gpu, encoder), None, &pipelines.light_patches, &lit, &[self.lit]);
+        self.light_lobes((gpu, encoder), pipelines, lamps);
     }
 
     /// Evaluates the lamps at metals, by the bins of their ways.
@@ -248,15 +327,14 @@ impl SceneAntiradiance {
         &self,
         (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
         pipelines: &AntiradiancePipelines,
-        light: &GpuAntiradiance,
         lamps: &Lamps<'_>,
     ) {
         let Some(dispatch) = self.lit_lobes else { return };
         let place = u64::from(dispatch.place) + std::mem::offset_of!(PointsUniform, lights) as u64;
         gpu.queue.write_buffer(&self.uniforms, place, &(lamps.count as u32).to_le_bytes());
         let (layout, pipeline) = pipelines.direct_lobes(gpu, lamps.layout);
-        let buffers =
-            [&self.point_of_glossy, &self.points, &self.irradiance, light.ways(), light.direct_lobes()];
+        let light = self.light.borrow();
+        let buffers = [&self.point_of_glossy, &self.points, &self.irradiance, light.ways(), &self.direct[1]];
         let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
         resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
         let bound = group(gpu, "direct lobes", layout, &resources);

@@ -260,7 +260,7 @@ impl GpuAntiradiance {
     }
 
     /// By glossy patch, direct irradiance by bin, then what comes evenly from all sides: RGB, and a fourth number.
-    pub fn direct_lobes(&self) -> &wgpu::Buffer {
+    pub fn direct_by_bin(&self) -> &wgpu::Buffer {
         &self.direct_lobes
     }
 
@@ -293,6 +293,13 @@ impl GpuAntiradiance {
         let by_bin = direct.by_bin.chunks_exact(bins).flat_map(|row| row.iter().chain([&Vec3::ZERO]));
         let by_bin: Vec<[f32; 4]> = by_bin.map(row).collect();
         gpu.queue.write_buffer(&self.direct_lobes, 0, bytemuck::cast_slice(&by_bin));
+    }
+
+    /// Encodes a copy of the direct light of the patches, and of metals by bin; steps go on from the light before.
+    pub fn take_direct(&self, encoder: &mut wgpu::CommandEncoder, [patches, lobes]: [&wgpu::Buffer; 2]) {
+        for (from, to) in [(patches, &self.direct), (lobes, &self.direct_lobes)] {
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, to.size());
+        }
     }
 
     /// Encodes the beginning: no light has bounced yet.

@@ -18,6 +18,7 @@ pub struct AntiradiancePipelines {
     pub(super) leave: ComputeKernel,
     pub(super) light_patches: ComputeKernel,
     pub(super) show_patches: ComputeKernel,
+    pub(super) change_patches: ComputeKernel,
     /// Made for the first scene with metals.
     direct_lobes: OnceCell<ComputeKernel>,
 }
@@ -40,6 +41,7 @@ impl AntiradiancePipelines {
             leave: made("leave_bins", shaders::LEAVE_BINS, 4, 1),
             light_patches: kernel(gpu, "light_patches", shaders::LIGHT_PATCHES, (points, 2, 1), &[]),
             show_patches: kernel(gpu, "show_patches", shaders::SHOW_PATCHES, (points, 4, 1), &[]),
+            change_patches: kernel(gpu, "change_patches", shaders::CHANGE_PATCHES, (points, 6, 2), &[]),
             direct_lobes: OnceCell::new(),
         }
     }

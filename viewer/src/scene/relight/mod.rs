@@ -32,6 +32,7 @@ use rebounce_shared::glam::Vec3;
 #[cfg(feature = "radiosity")]
 use std::cell::Cell;
 use std::cell::OnceCell;
+use std::ops::Range;
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Threads that share a row on a GPU: reads of neighbouring links coalesce, and short rows waste little.
@@ -377,13 +378,33 @@ impl Relight {
         lights: Option<&wgpu::BindGroup>,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) -> usize {
+        self.encode_part(encoder, pipelines, lights, timestamps, 0..self.plan.len())
+    }
+
+    /// The steps as two parts: direct light, and what bounces of it.
+    #[cfg(feature = "antiradiance")]
+    pub fn parts(&self) -> [Range<usize>; 2] {
+        let bounced = self.plan.iter().position(|dispatch| dispatch.kernel.is_bounced());
+        let bounced = bounced.unwrap_or(self.plan.len());
+        [0..bounced, bounced..self.plan.len()]
+    }
+
+    /// As [`Self::encode`], some of the steps.
+    pub fn encode_part(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &RelightPipelines,
+        lights: Option<&wgpu::BindGroup>,
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+        part: Range<usize>,
+    ) -> usize {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("relight"),
             timestamp_writes: timestamps,
         });
         let is_stale = self.sources.as_ref().is_some_and(FromSources::take_stale);
         let mut count = 0;
-        for (i, dispatch) in self.plan.iter().enumerate() {
+        for (i, dispatch) in self.plan.iter().enumerate().take(part.end).skip(part.start) {
             let (pipeline, bind) = match dispatch.kernel {
                 #[cfg(feature = "radiosity")]
                 kernel if self.by_radiosity.get() && kernel.is_bounced() => continue,
