@@ -108,8 +108,13 @@ fn triangles(scene: &BakedScene, call: &mut dyn FnMut(SceneTriangle)) {
         for corners in scene.indices[first..first + draw.index_count as usize].as_chunks::<3>().0 {
             let corners = corners.map(|i| Vec3::from(scene.vertices[i as usize].position));
             let is_two_sided = scene.meta.materials[draw.material as usize].double_sided;
-            // The panel is metal.
-            call(SceneTriangle { corners, is_two_sided, roughness: is_two_sided.then_some(0.3) });
+            // The panel is metal, and moves.
+            call(SceneTriangle {
+                corners,
+                is_two_sided,
+                roughness: is_two_sided.then_some(0.3),
+                moves: is_two_sided,
+            });
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct SceneTriangle {
     pub is_two_sided: bool,
     /// Roughness of a metal.
     pub roughness: Option<f32>,
+    /// Whether it moves or deforms: it is of points that do.
+    pub moves: bool,
 }
 
 /// Calls with every triangle.
@@ -34,8 +36,7 @@ const SAME: f32 = 0.5;
 const PIECES: f32 = 16.0;
 /// Side of a cell of the grid, in sides of a square of a patch's mean area.
 const CELL: f32 = 2.0;
-/// Greatest distance of a piece from the plane of its point, as a share of that from the point; of pieces that are near, as a share
-/// of a cell.
+/// Greatest distance of a piece that stands from the plane of its point, as a share of that from the point.
 const OFF: f32 = 0.3;
 
 /// Points with a patch each: static ones first, then moving ones.
@@ -98,7 +99,7 @@ impl PointPatches {
         points.extend(chosen(true, most[1]));
         let albedo = points.iter().map(|i| scene.albedo(*i as usize)).collect();
         let places: Vec<[Vec3; 2]> = points.iter().map(|i| at(*i as usize)).collect();
-        let surfaces = surfaces(&places, each_triangle);
+        let surfaces = surfaces(&places, still, each_triangle);
         Self { points, still, surfaces, albedo }
     }
 
@@ -177,7 +178,7 @@ impl Moments {
 
 /// What points at `places` stand for: the pieces of surface nearest to each that lie in its plane and face the same way. What has
 /// no point of its own, as slender legs of chairs beside a wall, is left out.
-fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surface> {
+fn surfaces(places: &[[Vec3; 2]], still: usize, each_triangle: &EachTriangle<'_>) -> Vec<Surface> {
     let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let mut whole = 0.0;
     each_triangle(&mut |own| whole += size(own.corners) * if own.is_two_sided { 2.0 } else { 1.0 });
@@ -191,20 +192,21 @@ fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surfa
     for (number, [position, _]) in (0..).zip(places) {
         grid.entry(cell(*position)).or_default().push(number);
     }
-    let nearest = |place: Vec3, normal: Vec3| {
+    let nearest = |place: Vec3, normal: Vec3, moves: bool| {
         let around = (0..27).map(|i| cell(place) + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
         let near = around.filter_map(|cell| grid.get(&cell)).flatten().copied();
-        let fits = |number: &u32| {
-            let [position, own] = places[*number as usize];
-            let way = place - position;
-            own.dot(normal) > SAME && way.dot(own).abs() <= OFF * way.length().max(OFF * side)
-        };
+        let facing = near.filter(|number| {
+            places[*number as usize][1].dot(normal) > SAME && (*number as usize >= still) == moves
+        });
         let distance = |number: &u32| places[*number as usize][0].distance_squared(place);
-        near.filter(fits).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let number = facing.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let [position, own] = places[number as usize];
+        let way = place - position;
+        (moves || way.dot(own).abs() <= OFF * way.length()).then_some(number)
     };
     let mut out = vec![Moments::default(); places.len()];
     let mut open = Vec::new();
-    each_triangle(&mut |SceneTriangle { corners, is_two_sided, roughness }| {
+    each_triangle(&mut |SceneTriangle { corners, is_two_sided, roughness, moves }| {
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
         open.push(Patch { corners, normal, ..Patch::default() });
@@ -215,7 +217,7 @@ fn surfaces(places: &[[Vec3; 2]], each_triangle: &EachTriangle<'_>) -> Vec<Surfa
                 continue;
             }
             for normal in [normal, -normal].into_iter().take(if is_two_sided { 2 } else { 1 }) {
-                if let Some(number) = nearest(piece.position(), normal) {
+                if let Some(number) = nearest(piece.position(), normal, moves) {
                     let [position, own] = places[number as usize];
                     let (u, v) = tangents(own);
                     let way = piece.position() - position;

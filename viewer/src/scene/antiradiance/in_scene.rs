@@ -24,7 +24,7 @@ use rebounce_shared::antiradiance::{
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::meta::Material;
 use std::cell::{Cell, RefCell};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use wgpu::BufferUsages;
 
 /// Greatest number of patches: of static surfaces, and of moving ones.
@@ -124,10 +124,13 @@ impl SceneAntiradiance {
         let scene = moving.file();
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
+        let deforming = rig.map_or(HashSet::new(), GpuRig::deforming);
         let each = |call: &mut dyn FnMut(SceneTriangle)| {
-            upload.triangles.each(|run, _, corners| {
+            upload.triangles.each(|run, vertices, corners| {
                 let roughness = metal_roughness(&scene.meta.materials[run.material as usize]);
-                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness });
+                let group = scene.groups.of_material(run.material);
+                let moves = scene.groups.node_of(group).is_some() || deforming.contains(&vertices[0]);
+                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness, moves });
             });
         };
         let motions = moving.motions();

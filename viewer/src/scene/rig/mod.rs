@@ -29,7 +29,7 @@ use rebounce_shared::rig::skin::{ridden, skinned};
 use rebounce_shared::rig::{Rig, RigAnimation};
 use std::cell::{Cell, RefCell};
 #[cfg(feature = "antiradiance")]
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use wgpu::BufferUsages;
 
 /// `RigPass` in rig.wgsl.
@@ -180,6 +180,12 @@ impl GpuRig {
             (rider.point as usize, [on.position, on.normal])
         };
         self.rig.points.iter().map(place).collect()
+    }
+
+    /// Numbers of the vertices that deform.
+    #[cfg(feature = "antiradiance")]
+    pub fn deforming(&self) -> HashSet<u32> {
+        self.rig.vertices.iter().map(|vertex| vertex.vertex).collect()
     }
 
     /// Lets points follow again: nodes have moved.
