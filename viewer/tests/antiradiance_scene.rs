@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
-use crate::radiosity::{indirect, renderer, room_with_panel};
+use crate::radiosity::{indirect, linked_room, renderer, room_with_panel};
 
 use rebounce_shared::antiradiance::{PointPatches, SceneTriangle};
 use rebounce_shared::baked::BakedScene;
@@ -78,6 +78,26 @@ fn light_after_motions_is_that_of_a_scene_loaded_there() {
     followed.set_lights(Vec::new()).unwrap();
     let dark = light(&mut followed, SolverChoice::Antiradiance);
     assert!(dark.iter().all(|value| *value == 0.0), "it is not dark");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn beside_an_operator_there_is_its_light_at_rest_and_what_a_motion_changes() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut ours = renderer(&gpu, &linked_room());
+    let rest = light(&mut ours, SolverChoice::Operator);
+    let same = light(&mut ours, SolverChoice::Antiradiance);
+    assert!(same == rest && ours.solver_in_use() == "antiradiance" && !ours.is_solving());
+    ours.move_nodes(&[turned(40.0)]).unwrap();
+    assert!(ours.is_solving());
+    let moved = light(&mut ours, SolverChoice::Antiradiance);
+    let as_at_rest = light(&mut ours, SolverChoice::Operator);
+    // The lamp's shadow alone is not all of the change.
+    let [changed, more] = [apart(&moved, &rest), apart(&moved, &as_at_rest)];
+    println!("moved {changed}, beside the operator's {more}");
+    assert!(changed > 0.03 && more > 0.01, "{changed} {more}");
+    ours.move_nodes(&[NodeMotion::default()]).unwrap();
+    assert!(light(&mut ours, SolverChoice::Antiradiance) == rest, "it does not come back");
     gpu.check().unwrap();
 }
 

@@ -24,7 +24,7 @@ use rebounce_viewer::upload::Upload;
 use wgpu::BufferUsages;
 
 /// A room, and a two-sided panel in it that may move: on every level it has points on both sides.
-fn linked_room() -> BakedScene {
+pub fn linked_room() -> BakedScene {
     let mut scene = common::room(&[4, 8, 16]);
     let first = scene.vertices.len() as u32;
     for (x, y) in [(-0.4, -0.4), (0.4, -0.4), (0.4, 0.4), (-0.4, 0.4)] {
