@@ -27,7 +27,7 @@ use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::near::{AreaPoint, Near};
 use rebounce::transport::antiradiance::{Pool, patches_of};
-use rebounce_shared::antiradiance::lobe::Leaving;
+use rebounce_shared::antiradiance::leaving::Leaving;
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
 use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings};
 use rebounce_shared::baked::BakedScene;

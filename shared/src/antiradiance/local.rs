@@ -3,7 +3,7 @@
 use super::bins::Bins;
 use super::cosines::BinCosines;
 use super::hierarchy::Element;
-use super::lobe::Leaving;
+use super::leaving::Leaving;
 use super::patches::Patch;
 use glam::Vec3;
 

@@ -14,7 +14,7 @@
 //! | form factors: bins and factors of a link | [`transfers`], [`transfer`], [`spread`] |
 //! | global pass U, push and pull | [`transport`] |
 //! | local pass K and J | [`local`], [`cosines`] |
-//! | K of metals | [`lobe`] |
+//! | K of metals; radiance that leaves | [`lobe`], [`leaving`] |
 //! | the same transfers by receiver and bin, for a GPU | [`cells`] |
 //! | symmetric and asymmetric iteration | [`solve`](mod@solve) |
 //! | patches of a file's points | [`point_patches`] |
@@ -27,6 +27,7 @@ pub mod bins;
 pub mod cells;
 pub mod cosines;
 pub mod hierarchy;
+pub mod leaving;
 pub mod links;
 pub mod lobe;
 pub mod local;
@@ -48,8 +49,9 @@ pub mod workers;
 pub use bins::Bins;
 pub use cells::Cells;
 pub use hierarchy::Hierarchy;
+pub use leaving::DirectLight;
 pub use links::Links;
-pub use lobe::{DirectLight, Lobes};
+pub use lobe::Lobes;
 pub use moving::MovingElements;
 pub use patches::Patch;
 pub use point_patches::{PointPatches, SceneTriangle};

@@ -2,8 +2,9 @@
 
 use super::bins::Bins;
 use super::hierarchy::Hierarchy;
+use super::leaving::{DirectLight, Leaving};
 use super::links::Links;
-use super::lobe::{DirectLight, Leaving, Lobes};
+use super::lobe::Lobes;
 use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};

@@ -11,7 +11,7 @@
 use super::bins::Bins;
 use super::cosines::BinCosines;
 use super::hierarchy::{Element, Hierarchy, NONE};
-use super::lobe::Leaving;
+use super::leaving::Leaving;
 use super::local::{LocalPatch, exitant};
 use super::patches::Patch;
 use super::transfers::Transfers;

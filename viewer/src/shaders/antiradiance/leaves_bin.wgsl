@@ -1,5 +1,5 @@
 // Radiance that leaves a patch by a bin, and in w the normalisation of its cosines; as Leaving in
-// shared/src/antiradiance/lobe.rs. `radiance` has the matt radiance of all patches, then that of glossy ones by bin.
+// shared/src/antiradiance/leaving.rs. `radiance` has the matt radiance of all patches, then that of glossy ones by bin.
 
 fn leaves(own: u32, bin: u32) -> vec4f {
     let light = radiance[elements[own].first];
