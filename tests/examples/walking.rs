@@ -29,7 +29,7 @@ use rebounce::transport::antiradiance::near::{AreaPoint, Near};
 use rebounce::transport::antiradiance::{Pool, patches_of};
 use rebounce_shared::antiradiance::leaving::Leaving;
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
-use rebounce_shared::antiradiance::{AntiradianceSolver, Patch, SolverSettings};
+use rebounce_shared::antiradiance::{AntiradianceSolver, MovingElements, Patch, SolverSettings};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::LightSource;
 use rebounce_shared::lighting::Lighting;
@@ -184,9 +184,14 @@ impl Room {
             "RMS change of the irradiance at {PLACES} patches of the room within {step} s, as a share of its RMS.\n"
         );
         println!("| seconds | antiradiance | path tracing | ratio |\n|---|---|---|---|");
+        // As in the page, elements stay and links of the figure are made anew.
+        let mut all = self.patches.clone();
+        all.extend(self.with_figure(0.0)?.1);
+        let mut elements = MovingElements::new(all, self.patches.len(), self.settings, &Pool);
         for pose in 0..poses {
             let time = (walker::SECONDS - step) * (pose as f64 + 0.5) / poses as f64;
-            let [(before, truth), (after, later)] = [self.moment(time)?, self.moment(time + step)?];
+            let [(before, truth), (after, later)] =
+                [self.moment(time, &mut elements)?, self.moment(time + step, &mut elements)?];
             let (mut found, mut traced, mut power) = (0.0, 0.0, 0.0);
             for i in 0..before.len() {
                 found += (after[i] - before[i]).length_squared();
@@ -202,15 +207,15 @@ impl Room {
     }
 
     /// Light at the patches that are looked at, by antiradiance and by two estimates of path tracing.
-    fn moment(&self, time: f64) -> Result<(Vec<Vec3>, [Vec<Vec3>; 2])> {
+    fn moment(&self, time: f64, elements: &mut MovingElements) -> Result<(Vec<Vec3>, [Vec<Vec3>; 2])> {
         let (whole, figure) = self.with_figure(time)?;
         let surfaces = TriangleSurfaces::simplified(&whole);
         let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
         let count = self.patches.len();
-        let mut patches = self.patches.clone();
-        patches.extend(figure);
+        elements.follow(&figure, &Pool);
+        let patches = elements.patches();
         let direct = patches.par_iter().map(|patch| of_patch(&surfaces, &lamps, patch)).collect();
-        let solver = AntiradianceSolver::new(&patches, &self.settings, &Pool);
+        let solver = elements.solver();
         let found = solver.solve(&solver.even_light(direct), &self.settings, &Pool, &mut ()).0;
         let found = self.smooth(&found[..count]);
         let seen = self.seen();

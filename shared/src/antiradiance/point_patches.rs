@@ -228,3 +228,37 @@ fn surfaces(places: &[[Vec3; 2]], still: usize, each_triangle: &EachTriangle<'_>
     });
     out.iter().map(Moments::surface).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_has_the_area_the_middle_and_the_proportions_of_its_surface() {
+        let normal = Vec3::new(0.3, 0.8, -0.5).normalize();
+        let (u, v) = tangents(normal);
+        // A board of 1.2 by 0.2, turned, beside its point.
+        for turn in [0.0f32, 0.7, 2.0] {
+            let (along, across) = (Vec2::from_angle(turn), Vec2::from_angle(turn).perp());
+            let middle = Vec2::new(0.4, -0.1);
+            let mut moments = Moments::default();
+            for (i, j) in (0..60).flat_map(|i| (0..10).map(move |j| (i, j))) {
+                let place = [(i as f32 + 0.5) / 60.0 - 0.5, (j as f32 + 0.5) / 10.0 - 0.5];
+                let place = middle + 1.2 * place[0] * along + 0.2 * place[1] * across;
+                moments.add(1.2 * 0.2 / 600.0, place, (i < 40).then_some(0.3));
+            }
+            let surface = moments.surface();
+            let patch = surface.patch(Vec3::ONE, normal);
+            assert!((patch.area() - 0.24).abs() < 1e-4, "{}", patch.area());
+            assert!(patch.position().distance(Vec3::ONE + middle.x * u + middle.y * v) < 1e-4);
+            let way = along.x * u + along.y * v;
+            let reach = |way: Vec3| {
+                let at = patch.corners.map(|corner| (corner - patch.position()).dot(way).abs());
+                at.into_iter().fold(0.0, f32::max)
+            };
+            let ratio = reach(way) / reach(normal.cross(way));
+            assert!((4.0..9.0).contains(&ratio), "{ratio} at {turn}");
+            assert!(surface.roughness.is_some_and(|roughness| (roughness - 0.3).abs() < 1e-5));
+        }
+    }
+}
