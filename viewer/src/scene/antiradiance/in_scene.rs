@@ -28,7 +28,7 @@ use std::collections::{HashMap, HashSet};
 use wgpu::BufferUsages;
 
 /// Greatest number of patches: of static surfaces, and of moving ones.
-const MOST: [usize; 2] = [2_048, 256];
+const MOST: [usize; 2] = [4_096, 256];
 /// Steps of a frame.
 const STEPS: u32 = 4;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
