@@ -32,6 +32,7 @@ use rebounce_shared::glam::Vec3;
 #[cfg(feature = "radiosity")]
 use std::cell::Cell;
 use std::cell::OnceCell;
+#[cfg(feature = "antiradiance")]
 use std::ops::Range;
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -71,6 +72,12 @@ impl CachedEvaluation {
         self.still.len() + self.moving.len()
     }
 }
+
+/// Some of the steps of a frame; all, where nothing comes between them.
+#[cfg(feature = "antiradiance")]
+type Steps = Range<usize>;
+#[cfg(not(feature = "antiradiance"))]
+type Steps = ();
 
 /// A kernel's bind group layout and pipeline.
 type KernelPass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
@@ -378,25 +385,30 @@ impl Relight {
         lights: Option<&wgpu::BindGroup>,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) -> usize {
-        self.encode_part(encoder, pipelines, lights, timestamps, 0..self.plan.len())
+        #[cfg(feature = "antiradiance")]
+        let steps = 0..self.plan.len();
+        #[cfg(not(feature = "antiradiance"))]
+        let steps = ();
+        self.encode_part(encoder, pipelines, lights, timestamps, steps)
     }
 
     /// The steps as two parts: direct light, and what bounces of it.
     #[cfg(feature = "antiradiance")]
-    pub fn parts(&self) -> [Range<usize>; 2] {
+    pub fn parts(&self) -> [Steps; 2] {
         let bounced = self.plan.iter().position(|dispatch| dispatch.kernel.is_bounced());
         let bounced = bounced.unwrap_or(self.plan.len());
         [0..bounced, bounced..self.plan.len()]
     }
 
     /// As [`Self::encode`], some of the steps.
+    #[cfg_attr(not(feature = "antiradiance"), inline(always))]
     pub fn encode_part(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &RelightPipelines,
         lights: Option<&wgpu::BindGroup>,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
-        part: Range<usize>,
+        steps: Steps,
     ) -> usize {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("relight"),
@@ -404,7 +416,12 @@ impl Relight {
         });
         let is_stale = self.sources.as_ref().is_some_and(FromSources::take_stale);
         let mut count = 0;
-        for (i, dispatch) in self.plan.iter().enumerate().take(part.end).skip(part.start) {
+        let all = self.plan.iter().enumerate();
+        #[cfg(feature = "antiradiance")]
+        let all = all.take(steps.end).skip(steps.start);
+        #[cfg(not(feature = "antiradiance"))]
+        let () = steps;
+        for (i, dispatch) in all {
             let (pipeline, bind) = match dispatch.kernel {
                 #[cfg(feature = "radiosity")]
                 kernel if self.by_radiosity.get() && kernel.is_bounced() => continue,
