@@ -28,8 +28,8 @@ use rebounce_shared::rbn::meta::Material;
 use std::f64::consts::TAU;
 use two_rooms::Door;
 
-/// The names after `builtin:`.
-pub const NAMES: [&str; 21] = [
+/// The names after `builtin:` of scenes that [`load`] generates.
+pub const NAMES: [&str; 20] = [
     "apartment",
     "arcade",
     "attic",
@@ -50,16 +50,15 @@ pub const NAMES: [&str; 21] = [
     "two-rooms-door",
     "two-rooms-leaf",
     "two-rooms-leaf-open",
-    WALKER,
 ];
-/// A [file](file) in place of a scene.
-const WALKER: &str = "walker";
+/// The names after `builtin:` of scenes that are a [`file`].
+pub const FILES: [&str; 1] = ["walker"];
 
-/// The .glb file of a built-in scene that is one: `io::load` reads it as others. `None` for the others, which [`load`] generates.
+/// The .glb file of this name, one of [`FILES`], for the loader of scenes; `None` of other names.
 pub fn file(name: &str) -> Option<Vec<u8>> {
     match name {
         #[cfg(feature = "gltf")]
-        WALKER => Some(walker::glb()),
+        "walker" => Some(walker::glb()),
         _ => None,
     }
 }
@@ -96,11 +95,12 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError::UnknownBuiltin`].
 pub fn check(name: &str) -> Result<(), SceneError> {
-    if NAMES.contains(&name) { Ok(()) } else { Err(unknown(name)) }
+    if NAMES.contains(&name) || FILES.contains(&name) { Ok(()) } else { Err(unknown(name)) }
 }
 
 fn unknown(name: &str) -> SceneError {
-    let known = NAMES.map(|n| format!("builtin:{n}")).join(", ");
+    let names = NAMES.iter().chain(&FILES);
+    let known = names.map(|n| format!("builtin:{n}")).collect::<Vec<_>>().join(", ");
     SceneError::UnknownBuiltin { name: name.to_owned(), known }
 }
 
@@ -225,6 +225,16 @@ mod tests {
             assert!(!scene.cameras.is_empty() && !scene.lights.is_empty() && scene.degenerate_triangles == 0);
         }
         assert!(load("kettle").unwrap_err().to_string().contains("builtin:cornell-box"));
+    }
+
+    #[test]
+    #[cfg(feature = "gltf")]
+    fn every_file_is_there_under_its_name() {
+        for name in FILES {
+            assert!(file(name).is_some_and(|bytes| bytes.starts_with(b"glTF")));
+            check(name).unwrap();
+        }
+        assert!(check("kettle").unwrap_err().to_string().contains("builtin:walker"));
     }
 
     /// From `eye` (world space) every ray that hits anything hits a front.
