@@ -2,8 +2,8 @@
 //!
 //! `walking [--poses N] [--bins N] [--elements N] [--functions N] [--preset NAME] [--step SECONDS]`.
 //!
-//! With `--step`, how much the light changes within so many seconds of the walk, by antiradiance and by path tracing with the
-//! same paths: light that pops changes more than it should.
+//! `--step` prints the RMS change of the light within this time of the walk, of antiradiance and of path tracing with the same
+//! random numbers: a ratio over 1 is popping.
 //!
 //! An empty room lit by one lamp, with an operator baked without the figure. Irradiance at random patches of the room, of
 //! antiradiance the mean of near patches, as points of a file have it:
@@ -63,29 +63,22 @@ fn main() -> Result<()> {
     let (mut preset, mut step) = (Preset::Draft, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let number = arguments.next().with_context(|| format!("{argument} needs a value"))?;
+        let value = arguments.next().with_context(|| format!("{argument} needs a value"))?;
+        let count = || value.parse::<usize>().with_context(|| value.clone());
         match argument.as_str() {
+            "--poses" => poses = count()?,
+            "--bins" => bins = count()?,
+            "--elements" => elements = count()?,
+            "--functions" => functions = count()?,
             "--preset" => {
-                preset = match number.as_str() {
+                preset = match value.as_str() {
                     "draft" => Preset::Draft,
                     "standard" => Preset::Standard,
                     "fine" => Preset::Fine,
-                    _ => anyhow::bail!("there is no preset {number}"),
+                    _ => anyhow::bail!("there is no preset {value}"),
                 };
-                continue;
             }
-            "--step" => {
-                step = Some(number.parse::<f64>().with_context(|| number)?);
-                continue;
-            }
-            _ => {}
-        }
-        let number: usize = number.parse().with_context(|| number)?;
-        match argument.as_str() {
-            "--poses" => poses = number,
-            "--bins" => bins = number,
-            "--elements" => elements = number,
-            "--functions" => functions = number,
+            "--step" => step = Some(value.parse::<f64>().with_context(|| value.clone())?),
             _ => anyhow::bail!("there are --poses, --bins, --elements, --functions, --preset and --step"),
         }
     }

@@ -1,4 +1,4 @@
-//! Light that comes to patches directly, and radiance that leaves them.
+//! Direct light at patches, and exitant radiance of patches.
 
 use super::hierarchy::{Element, NONE};
 use glam::Vec3;

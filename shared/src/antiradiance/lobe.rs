@@ -35,14 +35,23 @@ impl Lobes {
     /// Those of the patches with a roughness.
     pub fn new(patches: &[Patch], bins: &Bins, normalisations: &[f32]) -> Self {
         let mut out = Self::default();
-        for (number, (patch, normalisation)) in patches.iter().zip(normalisations).enumerate() {
-            let local = LocalPatch { patch, normalisation: *normalisation, bins };
+        out.follow(patches, bins, normalisations, 0);
+        out
+    }
+
+    /// Computes the gains of the patches from number `still` on anew: they have other normals. All others keep theirs.
+    pub fn follow(&mut self, patches: &[Patch], bins: &Bins, normalisations: &[f32], still: usize) {
+        let kept = self.patches.partition_point(|patch| (*patch as usize) < still);
+        self.patches.truncate(kept);
+        self.gains.truncate(kept * bins.count());
+        for number in still..patches.len() {
+            let (patch, normalisation) = (&patches[number], normalisations[number]);
+            let local = LocalPatch { patch, normalisation, bins };
             if let Some(kernel) = LobeKernel::new(patch, bins) {
-                out.patches.push(number as u32);
-                out.gains.extend((0..bins.count()).map(|leaving| kernel.gain(&local, leaving)));
+                self.patches.push(number as u32);
+                self.gains.extend((0..bins.count()).map(|leaving| kernel.gain(&local, leaving)));
             }
         }
-        out
     }
 
     /// Writes the radiance that leaves a glossy patch by each bin. `number` is its number among them, `arriving` the irradiance by bin.

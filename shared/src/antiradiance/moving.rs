@@ -7,6 +7,7 @@
 use super::bins::Bins;
 use super::hierarchy::{Hierarchy, NONE};
 use super::links::Links;
+use super::lobe::Lobes;
 use super::patches::Patch;
 use super::solve::{AntiradianceSolver, SolverSettings};
 use super::transfers::{Exchange, Transfers};
@@ -32,6 +33,7 @@ pub struct MovingElements {
     all: (Transfers, usize),
     /// By patch: see [`normalisation`](super::cosines::normalisation).
     normalisations: Vec<f32>,
+    lobes: Lobes,
 }
 
 impl MovingElements {
@@ -53,6 +55,7 @@ impl MovingElements {
             between_still: Default::default(),
             all: Default::default(),
             normalisations: Vec::new(),
+            lobes: Lobes::default(),
         };
         let open = match (is_parted, still) {
             (true, _) => vec![[STILL, STILL]],
@@ -61,6 +64,7 @@ impl MovingElements {
         };
         out.between_still = out.transfers(open, workers);
         out.link(workers);
+        out.lobes = Lobes::new(&out.patches, &out.bins, &out.normalisations);
         out
     }
 
@@ -69,6 +73,7 @@ impl MovingElements {
         self.patches[self.still..].copy_from_slice(moved);
         self.hierarchy.follow(&self.patches, &self.moves);
         self.link(workers);
+        self.lobes.follow(&self.patches, &self.bins, &self.normalisations, self.still);
     }
 
     /// Patches: static ones first, then moving ones.
@@ -82,7 +87,7 @@ impl MovingElements {
             &self.patches,
             (self.hierarchy.clone(), self.bins.clone()),
             self.all.clone(),
-            self.normalisations.clone(),
+            (self.normalisations.clone(), self.lobes.clone()),
         )
     }
 
@@ -144,6 +149,23 @@ mod tests {
         let direct: Vec<Vec3> = elements.patches().iter().map(lit).collect();
         let solver = elements.solver();
         solver.solve(&solver.even_light(direct), &settings(), &Serial, &mut ()).0
+    }
+
+    #[test]
+    fn lobes_that_follow_are_those_of_metals_made_there() {
+        let metals = |at: Vec3| {
+            let (mut patches, still) = balls(at);
+            patches.iter_mut().step_by(7).for_each(|patch| patch.roughness = Some(0.4));
+            (patches, still)
+        };
+        let (patches, still) = metals(Vec3::ZERO);
+        let mut turned = patches.clone();
+        turned[still..].iter_mut().for_each(|patch| patch.normal = -patch.normal);
+        let mut followed = MovingElements::new(patches, still, settings(), &Serial);
+        followed.follow(&turned[still..], &Serial);
+        let anew = MovingElements::new(turned, still, settings(), &Serial);
+        assert_eq!(followed.solver().lobes, anew.solver().lobes);
+        assert!(anew.solver().lobes.patches.len() > 60);
     }
 
     #[test]

@@ -19,11 +19,17 @@ impl Patch {
     /// A patch around a point, of this area in square scene units: where a surface has points and no triangles.
     pub fn around(position: Vec3, normal: Vec3, area: f32, albedo: Vec3) -> Self {
         let (u, v) = normal.any_orthonormal_pair();
+        Self { normal, albedo, ..Self::along([u, v], position, area) }
+    }
+
+    /// A triangle with the proportions of two axes, of this middle and area.
+    pub fn along([u, v]: [Vec3; 2], middle: Vec3, area: f32) -> Self {
         // Of an equilateral triangle: area = 3√3/4 r².
-        let radius = (area.max(0.0) / 1.299_038).sqrt();
-        let corner = |cosine: f32, sine: f32| position + radius * (cosine * u + sine * v);
+        let whole = 1.299_038 * u.cross(v).length();
+        let radius = if whole > 0.0 { (area.max(0.0) / whole).sqrt() } else { 0.0 };
+        let corner = |cosine: f32, sine: f32| middle + radius * (cosine * u + sine * v);
         let corners = [corner(1.0, 0.0), corner(-0.5, 0.866_025_4), corner(-0.5, -0.866_025_4)];
-        Self { corners, normal, albedo, roughness: None }
+        Self { corners, ..Self::default() }
     }
 
     /// Its middle.

@@ -67,15 +67,8 @@ impl Surface {
     fn patch(&self, position: Vec3, normal: Vec3) -> Patch {
         let (u, v) = tangents(normal);
         let in_space = |place: Vec2| place.x * u + place.y * v;
-        let [long, wide] = self.axes;
-        // Of an equilateral triangle: area = 3√3/4 r².
-        let whole = 1.299_038 * long.perp_dot(wide).abs();
-        let radius = if whole > 0.0 { (self.area / whole).sqrt() } else { 0.0 };
-        let corner = |cosine: f32, sine: f32| {
-            position + in_space(self.middle + radius * (cosine * long + sine * wide))
-        };
-        let corners = [corner(1.0, 0.0), corner(-0.5, 0.866_025_4), corner(-0.5, -0.866_025_4)];
-        Patch { corners, normal, ..Patch::default() }
+        let middle = position + in_space(self.middle);
+        Patch { normal, ..Patch::along(self.axes.map(in_space), middle, self.area) }
     }
 }
 
@@ -176,8 +169,8 @@ impl Moments {
     }
 }
 
-/// What points at `places` stand for: the pieces of surface nearest to each that lie in its plane and face the same way. What has
-/// no point of its own, as slender legs of chairs beside a wall, is left out.
+/// Surfaces of points at `places`, of which the first `still` stand. A point has the pieces of triangles nearest to it, in its
+/// plane and with its normal. Pieces off the plane of the nearest point, as slender legs of chairs, are left out.
 fn surfaces(places: &[[Vec3; 2]], still: usize, each_triangle: &EachTriangle<'_>) -> Vec<Surface> {
     let size = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let mut whole = 0.0;

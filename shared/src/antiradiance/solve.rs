@@ -134,18 +134,18 @@ impl<'a> AntiradianceSolver<'a> {
         let exchange = Exchange::new(&bins, patches, &hierarchy, settings.spreading);
         let transfers = Transfers::new(&exchange, &links, workers);
         let normalisations = exchange.normalisations;
-        Self::linked(patches, (hierarchy, bins), (transfers, links.count()), normalisations)
+        let lobes = Lobes::new(patches, &bins, &normalisations);
+        Self::linked(patches, (hierarchy, bins), (transfers, links.count()), (normalisations, lobes))
     }
 
-    /// Of elements, bins, form factors and the number of their links, and the normalisations of the patches.
+    /// Of elements, bins, form factors and the number of their links, and the normalisations and lobes of the patches.
     pub fn linked(
         patches: &'a [Patch],
         (hierarchy, bins): (Hierarchy, Bins),
         (transfers, links): (Transfers, usize),
-        normalisations: Vec<f32>,
+        (normalisations, lobes): (Vec<f32>, Lobes),
     ) -> Self {
         let spread = Spread::new(&bins);
-        let lobes = Lobes::new(patches, &bins, &normalisations);
         let ordered = OnceLock::new();
         Self { patches, hierarchy, bins, links, transfers, spread, normalisations, lobes, ordered }
     }

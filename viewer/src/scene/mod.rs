@@ -170,7 +170,7 @@ impl GpuScene {
         self.moving.as_ref().filter(|_| self.relight.is_by_radiosity())
     }
 
-    /// Whether all is where the file has it.
+    /// Whether no node has moved and the rig is in its pose at rest.
     #[cfg(feature = "antiradiance")]
     pub fn is_at_rest(&self) -> bool {
         let is_posed = self.rig.as_ref().is_some_and(|rig| rig.moment().is_some());

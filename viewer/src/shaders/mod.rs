@@ -117,10 +117,10 @@ modules! {
     GLOSS_LINKS: "octahedral" "point" "harmonics" "gloss_pass" "gloss_links";
     /// Glossy transfer: reflections of the visible surfaces.
     #[cfg(feature = "radiosity")]
-    REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "ggx" "fullscreen" "reflected_sky" "cube_march" "reflections";
+    REFLECTIONS: "octahedral" "frame" "slots" "lobe" "brdf_coated" "surface" "harmonics" "smith" "ggx" "fullscreen" "reflected_sky" "cube_march" "reflections";
     /// Cube maps: light of the texels.
     #[cfg(feature = "radiosity")]
-    CUBE_LIGHT: "octahedral" "point" "frame" "slots" "harmonics" "ggx" "reflected_sky" "cube" "cube_light";
+    CUBE_LIGHT: "octahedral" "point" "frame" "slots" "harmonics" "smith" "ggx" "reflected_sky" "cube" "cube_light";
     /// Cube maps: coarser levels.
     #[cfg(feature = "radiosity")]
     CUBE_MIPS: "cube" "cube_mips";
@@ -159,10 +159,10 @@ modules! {
     ARRIVE_LOBES: "antiradiance_pass" "lobe_bins" "arrive_lobes";
     /// Antiradiance: change of the bounced light of points beside an operator.
     #[cfg(feature = "antiradiance")]
-    CHANGE_PATCHES: "link" "patch_points" "change_patches";
+    CHANGE_PATCHES: "link" "patch_points" "of_parents" "change_patches";
     /// Antiradiance: K of metals.
     #[cfg(feature = "antiradiance")]
-    REFLECT_LOBES: "antiradiance_pass" "lobe_bins" "reflect_lobes";
+    REFLECT_LOBES: "antiradiance_pass" "lobe_bins" "smith" "reflect_lobes";
     /// Antiradiance: direct light of metals by bin.
     #[cfg(feature = "antiradiance")]
     DIRECT_LOBES: "octahedral" "point" "lights" "lights_second" "area" "visibility" "penumbra" "footprint" "patch_points" "direct_lobes";
@@ -171,7 +171,7 @@ modules! {
     LIGHT_PATCHES: "patch_points" "light_patches";
     /// Antiradiance: light of points from that of patches.
     #[cfg(feature = "antiradiance")]
-    SHOW_PATCHES: "link" "patch_points" "show_patches";
+    SHOW_PATCHES: "link" "patch_points" "of_parents" "show_patches";
     /// Dots over the picture.
     OVERLAY: "point" "frame" "overlay";
     /// The lights' handles.

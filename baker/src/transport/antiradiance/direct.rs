@@ -41,8 +41,8 @@ pub fn of_lamps<S: Surfaces>(
     patches.par_iter().enumerate().map(of_patch).collect()
 }
 
-/// What of the direct light of metals comes by each bin: by glossy patch and bin, that of the lamps. All else in `irradiance` comes
-/// evenly, as from a sky.
+/// Direct light with the irradiance of glossy patches by bin: a lamp's in the bin of its direction, the rest of `irradiance` evenly
+/// from all directions.
 pub fn by_bin<S: Surfaces>(
     surfaces: &S,
     solver: &AntiradianceSolver<'_>,

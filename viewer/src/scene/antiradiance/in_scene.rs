@@ -8,7 +8,7 @@
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
 //! anew, on the CPU, and the tables stay.
 
-use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms};
+use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms, run};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{ComputeKernel, buffer, empty_buffer, group, part};
@@ -285,8 +285,7 @@ impl SceneAntiradiance {
             self.take_light(gpu, encoder, pipelines, lamps);
         }
         // An empty pass has the time of the begin.
-        let lit = [&self.point_of, &self.irradiance, &self.direct[0]];
-        self.run((gpu, encoder), begin, &pipelines.light_patches, &lit, &[]);
+        drop(encoder.begin_compute_pass(&timed(begin)));
         let [offsets, entries] = &self.push;
         let mut light = self.light.borrow_mut();
         let all = |light: &mut GpuAntiradiance, encoder: &mut wgpu::CommandEncoder| {
@@ -294,19 +293,24 @@ impl SceneAntiradiance {
             (0..steps).for_each(|_| light.step(encoder, pipelines));
         };
         all(&mut light, encoder);
-        match &self.beside {
-            Some(BesideOperator { at_rest, operator, change }) => {
-                let mut at_rest = at_rest.borrow_mut();
-                all(&mut at_rest, encoder);
-                let (now, at_rest) = (light.irradiance(), at_rest.irradiance());
+        let at_rest = self.beside.as_ref().map(|beside| beside.at_rest.borrow_mut());
+        let at_rest = at_rest.map(|mut light| {
+            all(&mut light, encoder);
+            light.irradiance().clone()
+        });
+        let now = light.irradiance();
+        let mut pass = encoder.begin_compute_pass(&timed(end));
+        match self.beside.as_ref().zip(at_rest.as_ref()) {
+            Some((BesideOperator { operator, change, .. }, at_rest)) => {
                 let shown = [&self.patch_of, now, at_rest, offsets, entries, operator, change, &self.display];
-                self.run((gpu, encoder), end, &pipelines.change_patches, &shown, &self.shown);
+                self.dispatch(gpu, &mut pass, &pipelines.change_patches, &shown, &self.shown);
             }
             None => {
-                let shown = [&self.patch_of, light.irradiance(), offsets, entries, &self.display];
-                self.run((gpu, encoder), end, &pipelines.show_patches, &shown, &self.shown);
+                let shown = [&self.patch_of, now, offsets, entries, &self.display];
+                self.dispatch(gpu, &mut pass, &pipelines.show_patches, &shown, &self.shown);
             }
         }
+        drop(pass);
         let counts = self.counts.get();
         self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
         Ok(())
@@ -321,7 +325,9 @@ impl SceneAntiradiance {
         lamps: &Lamps<'_>,
     ) {
         let lit = [&self.point_of, &self.irradiance, &self.direct[0]];
-        self.run((gpu, encoder), None, &pipelines.light_patches, &lit, &[self.lit]);
+        let mut pass = encoder.begin_compute_pass(&timed(None));
+        self.dispatch(gpu, &mut pass, &pipelines.light_patches, &lit, &[self.lit]);
+        drop(pass);
         self.light_lobes((gpu, encoder), pipelines, lamps);
     }
 
@@ -335,17 +341,12 @@ impl SceneAntiradiance {
         let Some(dispatch) = self.lit_lobes else { return };
         let place = u64::from(dispatch.place) + std::mem::offset_of!(PointsUniform, lights) as u64;
         gpu.queue.write_buffer(&self.uniforms, place, &(lamps.count as u32).to_le_bytes());
-        let (layout, pipeline) = pipelines.direct_lobes(gpu, lamps.layout);
+        let kernel = pipelines.direct_lobes(gpu, lamps.layout);
         let light = self.light.borrow();
-        let buffers = [&self.point_of_glossy, &self.points, &self.irradiance, light.ways(), &self.direct[1]];
-        let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
-        resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-        let bound = group(gpu, "direct lobes", layout, &resources);
+        let buffers = [&self.point_of_glossy, &self.points, &self.irradiance, &light.ways, &self.direct[1]];
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &bound, &[dispatch.place]);
         pass.set_bind_group(1, lamps.group, &[]);
-        pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+        self.dispatch(gpu, &mut pass, kernel, &buffers, &[dispatch]);
     }
 
     /// Makes the links of what moves where it is now.
@@ -364,10 +365,11 @@ impl SceneAntiradiance {
         Ok(())
     }
 
-    fn run(
+    /// Encodes dispatches of a kernel over points and patches into a pass.
+    fn dispatch(
         &self,
-        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
-        stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+        gpu: &Gpu,
+        pass: &mut wgpu::ComputePass<'_>,
         (layout, pipeline): &ComputeKernel,
         buffers: &[&wgpu::Buffer],
         dispatches: &[BinsDispatch],
@@ -375,14 +377,13 @@ impl SceneAntiradiance {
         let mut resources = vec![part(&self.uniforms, size_of::<PointsUniform>() as u64)];
         resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
         let bound = group(gpu, "patches", layout, &resources);
-        let timed = wgpu::ComputePassDescriptor { label: Some("patches"), timestamp_writes: stamps };
-        let mut pass = encoder.begin_compute_pass(&timed);
         pass.set_pipeline(pipeline);
-        for dispatch in dispatches {
-            pass.set_bind_group(0, &bound, &[dispatch.place]);
-            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
-        }
+        dispatches.iter().for_each(|dispatch| run(pass, &bound, *dispatch));
     }
+}
+
+fn timed(stamps: Option<wgpu::ComputePassTimestampWrites<'_>>) -> wgpu::ComputePassDescriptor<'_> {
+    wgpu::ComputePassDescriptor { label: Some("patches"), timestamp_writes: stamps }
 }
 
 /// Roughness of a material that is metal everywhere.

@@ -254,21 +254,6 @@ impl GpuAntiradiance {
         Ok(())
     }
 
-    /// Direct irradiance by patch: RGB, and a fourth number.
-    pub fn direct(&self) -> &wgpu::Buffer {
-        &self.direct
-    }
-
-    /// By glossy patch, direct irradiance by bin, then what comes evenly from all sides: RGB, and a fourth number.
-    pub fn direct_by_bin(&self) -> &wgpu::Buffer {
-        &self.direct_lobes
-    }
-
-    /// Directions of the middles of the bins.
-    fn ways(&self) -> &wgpu::Buffer {
-        &self.ways
-    }
-
     /// Bounced irradiance by patch: RGB, and a fourth number.
     pub fn irradiance(&self) -> &wgpu::Buffer {
         &self.irradiance

@@ -3,6 +3,7 @@
 //! * here: pipelines, buffers, and the passes;
 //! * `plan` – the dispatches in order;
 //! * `elsewhere` – direct light at other places than the points;
+//! * `other_solvers` – bounced light from another solver than the operator;
 //! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points;
 //! * `from_groups` – all light of a fixed solution, in place of links;
 //! * `from_transfer` – all light of a file for an environment, likewise.
@@ -13,6 +14,8 @@ mod from_groups;
 mod from_sources;
 #[cfg(feature = "radiosity")]
 mod from_transfer;
+#[cfg(feature = "radiosity")]
+mod other_solvers;
 mod plan;
 
 use super::upload::{LinkBuffers, Upload};
@@ -26,8 +29,6 @@ use from_sources::{FromSources, FromSourcesPipelines, Groups};
 use from_transfer::FromTransfer;
 use plan::{Dispatch, Kernel, LEVEL_THREADS, STRIDE, Step, plan};
 use rebounce_shared::baked::BakedScene;
-#[cfg(feature = "radiosity")]
-use rebounce_shared::diffuse_transfer::DistantLight;
 use rebounce_shared::glam::Vec3;
 #[cfg(feature = "radiosity")]
 use std::cell::Cell;
@@ -73,7 +74,7 @@ impl CachedEvaluation {
     }
 }
 
-/// Some of the steps of a frame; all, where nothing comes between them.
+/// Range of the dispatches of a frame. Without antiradiance nothing is encoded between them, and all are encoded.
 #[cfg(feature = "antiradiance")]
 type Steps = Range<usize>;
 #[cfg(not(feature = "antiradiance"))]
@@ -392,7 +393,7 @@ impl Relight {
         self.encode_part(encoder, pipelines, lights, timestamps, steps)
     }
 
-    /// The steps as two parts: direct light, and what bounces of it.
+    /// Ranges of the dispatches of direct light and of bounced light.
     #[cfg(feature = "antiradiance")]
     pub fn parts(&self) -> [Steps; 2] {
         let bounced = self.plan.iter().position(|dispatch| dispatch.kernel.is_bounced());
@@ -400,7 +401,7 @@ impl Relight {
         [0..bounced, bounced..self.plan.len()]
     }
 
-    /// As [`Self::encode`], some of the steps.
+    /// As [`Self::encode`], of a range of the dispatches.
     #[cfg_attr(not(feature = "antiradiance"), inline(always))]
     pub fn encode_part(
         &self,
@@ -451,51 +452,6 @@ impl Relight {
             count += 1;
         }
         count
-    }
-}
-
-#[cfg(feature = "radiosity")]
-impl Relight {
-    /// Whether the scene is for an environment.
-    pub fn is_for_environment(&self) -> bool {
-        matches!(self.written, Some((Written::Transfer(_), ..)))
-    }
-
-    /// Sets the distant light and emission of a scene for an environment; no effect in others.
-    pub fn set_distant(&self, gpu: &Gpu, light: DistantLight) {
-        if let Some((Written::Transfer(transfer), ..)) = &self.written {
-            transfer.set_light(gpu, &self.display, light);
-        }
-    }
-
-    /// Whether the file has links, or the light of a fixed solution.
-    pub fn is_linked(&self) -> bool {
-        self.is_linked
-    }
-
-    /// Whether bounced light comes from radiosity: only direct light is computed here then.
-    pub fn is_by_radiosity(&self) -> bool {
-        self.by_radiosity.get()
-    }
-
-    /// Sets whether bounced light comes from radiosity. Returns whether that is a change.
-    pub fn set_by_radiosity(&self, on: bool) -> bool {
-        self.by_radiosity.replace(on) != on
-    }
-
-    /// Adds the light straight from the sources to what is displayed: after radiosity has written bounced light there.
-    pub fn show_sources(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        for (i, dispatch) in self.plan.iter().enumerate().filter(|(_, d)| d.kernel == Kernel::Show) {
-            let Some((pipeline, bind)) =
-                self.sources.as_ref().and_then(|own| own.pass(dispatch.kernel, false))
-            else {
-                continue;
-            };
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
-            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
-        }
     }
 }
 

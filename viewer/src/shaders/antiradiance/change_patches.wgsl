@@ -9,10 +9,9 @@
 @group(0) @binding(5) var<storage, read> push_entries: array<u32>;
 // The operator's light, and its tilt.
 @group(0) @binding(6) var<storage, read> by_operator: array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> change: array<vec4f>;
+// What changes of it.
+@group(0) @binding(7) var<storage, read_write> handed_down: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> display: array<vec4f>;
-
-const NONE = 0xffffffffu;
 
 @compute @workgroup_size(64)
 fn change_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
@@ -22,18 +21,12 @@ fn change_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
     }
     let i = points_.first + k;
     let own = patch_of[i];
-    var sum = vec3f(0.0);
+    var change = vec3f(0.0);
     if own != NONE {
-        sum = now[own].xyz - at_rest[own].xyz;
+        change = now[own].xyz - at_rest[own].xyz;
     } else {
-        var total = 0.0;
-        for (var at = push_offsets[i]; at < push_offsets[i + 1u]; at++) {
-            let entry = push_entries[at];
-            sum += change[entry_point(entry)].xyz * entry_weight(entry);
-            total += entry_weight(entry);
-        }
-        sum = select(vec3f(0.0), sum / total, total > 0.0);
+        change = of_parents(i);
     }
-    change[i] = vec4f(sum, 0.0);
-    display[i] = vec4f(max(by_operator[i].xyz + sum, vec3f(0.0)), by_operator[i].w);
+    handed_down[i] = vec4f(change, 0.0);
+    display[i] = vec4f(max(by_operator[i].xyz + change, vec3f(0.0)), by_operator[i].w);
 }

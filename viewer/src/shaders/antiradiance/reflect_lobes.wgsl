@@ -13,12 +13,6 @@ fn raised(way: vec3f, normal: vec3f) -> vec3f {
     return normalize(way + max(LEAST_COSINE - dot(way, normal), 0.0) * normal);
 }
 
-// Lambda of Smith's masking at this cosine.
-fn smith_lambda(alpha: f32, cosine: f32) -> f32 {
-    let c2 = cosine * cosine;
-    return 0.5 * (sqrt(1.0 + alpha * alpha * (1.0 - c2) / c2) - 1.0);
-}
-
 @compute @workgroup_size(64)
 fn reflect_lobes(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let cell = glossy_cell(group, thread);

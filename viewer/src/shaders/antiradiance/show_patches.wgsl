@@ -5,9 +5,9 @@
 @group(0) @binding(2) var<storage, read> bounced: array<vec4f>;
 @group(0) @binding(3) var<storage, read> push_offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> push_entries: array<u32>;
-@group(0) @binding(5) var<storage, read_write> display: array<vec4f>;
+// What is displayed.
+@group(0) @binding(5) var<storage, read_write> handed_down: array<vec4f>;
 
-const NONE = 0xffffffffu;
 // No tilt, as tilt.wgsl packs it: where the light comes from is not known.
 const EVEN = 8421504.0;
 
@@ -20,15 +20,8 @@ fn show_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_i
     let i = points_.first + k;
     let own = patch_of[i];
     if own != NONE {
-        display[i] = vec4f(max(bounced[own].xyz, vec3f(0.0)), EVEN);
+        handed_down[i] = vec4f(max(bounced[own].xyz, vec3f(0.0)), EVEN);
         return;
     }
-    var sum = vec3f(0.0);
-    var total = 0.0;
-    for (var at = push_offsets[i]; at < push_offsets[i + 1u]; at++) {
-        let entry = push_entries[at];
-        sum += display[entry_point(entry)].xyz * entry_weight(entry);
-        total += entry_weight(entry);
-    }
-    display[i] = vec4f(select(vec3f(0.0), sum / total, total > 0.0), EVEN);
+    handed_down[i] = vec4f(of_parents(i), EVEN);
 }

@@ -12,11 +12,6 @@ struct LobeSample {
     cosine: f32,
 }
 
-fn smith_lambda(alpha: f32, cosine: f32) -> f32 {
-    let c2 = cosine * cosine;
-    return 0.5 * (sqrt(1.0 + alpha * alpha * max(1.0 - c2, 0.0) / max(c2, 1e-12)) - 1.0);
-}
-
 fn lobe_sample(alpha: f32, to_eye: vec3f, i: u32) -> LobeSample {
     let nv = max(to_eye.z, 1e-4);
     let stretched = normalize(vec3f(alpha * to_eye.xy, nv));
