@@ -1,39 +1,69 @@
 //! Figures of antiradiance on the GPU as a table of Markdown: what Tables 1 and 2 of Dachsbacher et al. 2007 have, and the
 //! time of whole steps.
 //!
-//! `antiradiance [--bins N] [--elements N] [--steps N] SCENE ...`
+//! `antiradiance [--bins N] [--elements N] [--steps N] [--walker X,Y,Z] SCENE ...`
+//!
+//! `--walker` puts the walking figure there, and measures what a pose of it takes.
 
-use anyhow::{Context, Result};
-use glam::Vec3;
+use anyhow::{Context, Result, anyhow};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use rebounce::demo::walker;
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::io::{LoadOptions, PoseOption, load_with};
 use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::{AntiradianceSettings, Pool, patches_of};
-use rebounce_shared::antiradiance::{AntiradianceSolver, Iteration, SolverSettings};
+use rebounce_shared::antiradiance::{
+    AntiradianceSolver, Iteration, MovingElements, Patch, Serial, SolverSettings,
+};
 use rebounce_shared::lighting::Lighting;
 use rebounce_viewer::antiradiance::{AntiradiancePipelines, GpuAntiradiance};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
 use std::time::Instant;
 
+/// Poses that are measured.
+const POSES: usize = 8;
+
 fn main() -> Result<()> {
     let (mut scenes, mut bins, mut elements, mut steps) = (Vec::new(), 128, 18_000, 8u32);
+    let mut walker = None;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().with_context(|| format!("{argument} needs a value"));
         let mut number = || -> Result<usize> {
-            let number = arguments.next().with_context(|| format!("{argument} needs a number"))?;
+            let number = value()?;
             number.parse().with_context(|| number)
         };
         match argument.as_str() {
             "--bins" => bins = number()?,
             "--elements" => elements = number()?,
             "--steps" => steps = number()? as u32,
+            "--walker" => walker = Some(place(&value()?)?),
             _ => scenes.push(argument),
         }
     }
     let gpu = Gpu::headless().context("no adapter")?;
     let pipelines = AntiradiancePipelines::new(&gpu);
     let (adapter, threads) = (&gpu.adapter, rayon::current_num_threads());
+    let settings = |iteration| {
+        let solver = SolverSettings {
+            bins,
+            iteration,
+            iterations: steps,
+            tolerance: 0.0,
+            ..SolverSettings::default()
+        };
+        AntiradianceSettings { elements, gloss: false, solver }
+    };
+    if let Some(at) = walker {
+        println!("A pose of the walking figure: links on one thread, steps on {adapter}.\n");
+        println!("{}", Walk::HEAD);
+        for scene in &scenes {
+            println!("{}", Walk::new(scene, at, &settings(Iteration::Ordered))?.row(&gpu, &pipelines)?);
+        }
+        return Ok(());
+    }
     println!("Steps on {adapter} and on {threads} threads; links and form factors on those.\n");
     println!(
         "| scene | iteration | bins | elements | links | form factors | links, s | waves | MB | CPU, ms a step | GPU, ms a step | GPU against CPU |"
@@ -41,15 +71,7 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for scene in &scenes {
         for iteration in [Iteration::Symmetric, Iteration::Ordered] {
-            let settings = SolverSettings {
-                bins,
-                iteration,
-                iterations: steps,
-                tolerance: 0.0,
-                ..SolverSettings::default()
-            };
-            let settings = AntiradianceSettings { elements, gloss: false, solver: settings };
-            println!("{}", row(&gpu, &pipelines, scene, &settings)?);
+            println!("{}", row(&gpu, &pipelines, scene, &settings(iteration))?);
         }
     }
     Ok(())
@@ -96,12 +118,85 @@ fn row(
         solver.hierarchy.elements.len(),
         solver.links,
         solver.transfers.transfers.len(),
-        light.waves(),
+        light.waves()[0],
         light.bytes() as f64 / 1e6,
         1e3 * on_cpu,
         1e3 * on_gpu,
         solver.difference(&found[..patches.len()], &truth),
     ))
+}
+
+fn place(text: &str) -> Result<DVec3> {
+    let numbers = text.split(',').map(|number| number.parse().with_context(|| text.to_owned()));
+    let numbers: Vec<f64> = numbers.collect::<Result<_>>()?;
+    <[f64; 3]>::try_from(numbers).map(DVec3::from).map_err(|_| anyhow!("{text} is not X,Y,Z"))
+}
+
+/// The walking figure in a scene.
+struct Walk {
+    name: String,
+    room: Vec<Patch>,
+    /// Patches of the figure by pose.
+    poses: Vec<Vec<Patch>>,
+    settings: SolverSettings,
+}
+
+impl Walk {
+    const HEAD: &str = "| scene | patches that stand | of the figure | links | of the figure | all links, s | links of a pose, ms | ordered, ms | uploaded, ms | waves | of the figure | ms a step |\n\
+                        |---|---|---|---|---|---|---|---|---|---|---|---|";
+
+    fn new(name: &str, at: DVec3, settings: &AntiradianceSettings) -> Result<Self> {
+        let scene = rebounce::io::load(name)?;
+        let room = patches_of(&scene, settings.patches(), false);
+        let pose = |i: usize| -> Result<Vec<Patch>> {
+            let pose = Some(PoseOption { animation: None, time: walker::SECONDS * i as f64 / POSES as f64 });
+            let figure = load_with("builtin:walker", &LoadOptions { pose, ..LoadOptions::default() })?;
+            let shift = (DVec3::from(figure.origin) + at - DVec3::from(scene.origin)).as_vec3();
+            let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
+            Ok(patches_of(&figure, 1, false).into_iter().map(moved).collect())
+        };
+        let poses = (0..POSES).map(pose).collect::<Result<_>>()?;
+        Ok(Self { name: name.to_owned(), room, poses, settings: settings.solver })
+    }
+
+    fn row(&self, gpu: &Gpu, pipelines: &AntiradiancePipelines) -> Result<String> {
+        let [still, moving] = [self.room.len(), self.poses[0].len()];
+        let all = [&self.room[..], &self.poses[0]].concat();
+        let began = Instant::now();
+        let mut elements = MovingElements::new(all, still, self.settings, &Serial);
+        let first = began.elapsed().as_secs_f64();
+        let mut light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &elements.still_tables())?;
+        let mut times = [0.0; 4];
+        for pose in &self.poses {
+            let mut began = Instant::now();
+            let mut lap = |i: usize| {
+                times[i] += 1e3 * began.elapsed().as_secs_f64() / POSES as f64;
+                began = Instant::now();
+            };
+            elements.follow(pose, &Serial);
+            lap(0);
+            let tables = elements.moving_tables();
+            lap(1);
+            light.follow(gpu, pipelines, &elements, &tables)?;
+            lap(2);
+            read(gpu, &light)?;
+            let began = Instant::now();
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            (0..self.settings.iterations).for_each(|_| light.step(&mut encoder, pipelines));
+            gpu.queue.submit([encoder.finish()]);
+            read(gpu, &light)?;
+            times[3] +=
+                1e3 * began.elapsed().as_secs_f64() / (POSES as f64 * f64::from(self.settings.iterations));
+        }
+        gpu.check()?;
+        let [links, of_figure] = elements.links();
+        let [waves, own] = light.waves();
+        let [linked, ordered, uploaded, step] = times;
+        Ok(format!(
+            "| `{}` | {still} | {moving} | {links} | {of_figure} | {first:.1} | {linked:.0} | {ordered:.0} | {uploaded:.1} | {waves} | {own} | {step:.0} |",
+            self.name
+        ))
+    }
 }
 
 fn read(gpu: &Gpu, light: &GpuAntiradiance) -> Result<Vec<Vec3>> {

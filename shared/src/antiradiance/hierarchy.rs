@@ -120,10 +120,10 @@ impl Hierarchy {
         out
     }
 
-    /// Measures elements anew after their patches have moved: those of which `moves` is true. Clusters keep their children.
-    pub fn follow(&mut self, patches: &[Patch], moves: &[bool]) {
+    /// Measures elements anew after their patches have moved, given by their rising indices. Clusters keep their children.
+    pub fn follow(&mut self, patches: &[Patch], moved: &[u32]) {
         let mut own = vec![Vec::new(); self.elements.len()];
-        for i in (0..self.elements.len()).rev().filter(|i| moves[*i]) {
+        for i in moved.iter().rev().map(|i| *i as usize) {
             let mut element = self.elements[i];
             if element.is_patch() {
                 own[i] = vec![element.first];

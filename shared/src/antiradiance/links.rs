@@ -37,12 +37,13 @@ impl Links {
         width: f32,
         open: Vec<[usize; 2]>,
     ) -> Self {
-        let oracle = Oracle { patches, hierarchy, most: width * bins.solid_angle() };
-        Self::of_pairs(hierarchy.elements.len(), &oracle.pairs(open))
+        let mut pairs = Pairs { open, found: Vec::new() };
+        pairs.refine(patches, (hierarchy, bins), width, usize::MAX);
+        Self::of_pairs(hierarchy.elements.len(), &pairs.found)
     }
 
     /// Sorts pairs of receiver and sender by receiver.
-    fn of_pairs(elements: usize, pairs: &[[u32; 2]]) -> Self {
+    pub(super) fn of_pairs(elements: usize, pairs: &[[u32; 2]]) -> Self {
         let mut offsets = vec![0u32; elements + 1];
         pairs.iter().for_each(|[receiver, _]| offsets[*receiver as usize + 1] += 1);
         for i in 0..elements {
@@ -69,6 +70,28 @@ impl Links {
     }
 }
 
+/// A refinement on its way.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pairs {
+    /// Pairs that are not refined yet.
+    pub open: Vec<[usize; 2]>,
+    /// Receivers and senders of links.
+    pub found: Vec<[u32; 2]>,
+}
+
+impl Pairs {
+    /// Refines at most so many pairs.
+    pub fn refine(
+        &mut self,
+        patches: &[Patch],
+        (hierarchy, bins): (&Hierarchy, &Bins),
+        width: f32,
+        most: usize,
+    ) {
+        Oracle { patches, hierarchy, most: width * bins.solid_angle() }.refine(self, most);
+    }
+}
+
 /// The refinement oracle.
 struct Oracle<'a> {
     patches: &'a [Patch],
@@ -78,11 +101,10 @@ struct Oracle<'a> {
 }
 
 impl Oracle<'_> {
-    /// Pairs of receiver and sender, from open pairs of elements.
-    fn pairs(&self, mut open: Vec<[usize; 2]>) -> Vec<[u32; 2]> {
+    fn refine(&self, Pairs { open, found }: &mut Pairs, most: usize) {
         let elements = &self.hierarchy.elements;
-        let mut out = Vec::new();
-        while let Some([a, b]) = open.pop() {
+        for _ in 0..most {
+            let Some([a, b]) = open.pop() else { return };
             if a == b {
                 // Light within a cluster goes between its children.
                 let children = elements[a].children();
@@ -100,11 +122,10 @@ impl Oracle<'_> {
             }
             for [receiver, sender] in [[a, b], [b, a]] {
                 if self.receives(receiver, sender) {
-                    out.push([receiver as u32, sender as u32]);
+                    found.push([receiver as u32, sender as u32]);
                 }
             }
         }
-        out
     }
 
     /// Whether both are narrower than a bin.

@@ -2,20 +2,38 @@
 //! paper, section 3.3).
 //!
 //! What moves has a subtree of its own, whose clusters keep their children: elements keep their numbers, and light by element and
-//! bin goes on from where it was.
+//! bin goes on from where it was. Links, and what orders them for a GPU, are apart for both parts ([`PartTables`]), so that the work
+//! after a motion grows with what moves.
+
+mod linking;
+
+pub use linking::Linking;
 
 use super::bins::Bins;
+use super::cells::Cells;
 use super::hierarchy::{Hierarchy, NONE};
 use super::links::Links;
 use super::lobe::Lobes;
 use super::patches::Patch;
 use super::solve::{AntiradianceSolver, SolverSettings};
-use super::transfers::{Exchange, Transfers};
+use super::sweep::SweepScene;
+use super::transfers::{Exchange, Senders, Transfers};
+use super::waves::Waves;
 use super::workers::Workers;
+use std::ops::Range;
 
 /// Roots of the static and of the moving subtree in a [`Hierarchy::parted`].
 const STILL: usize = 1;
 const MOVING: usize = 2;
+
+/// Links of a part, for a GPU.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartTables {
+    /// Links by receiver and bin: between what stands, or those from and to what moves.
+    pub cells: Cells,
+    /// Turns of the part's elements in a sweep. What moves comes first, in the light that what stands had in the sweep before.
+    pub waves: Waves,
+}
 
 /// Elements and links of a scene whose last patches move.
 pub struct MovingElements {
@@ -25,55 +43,53 @@ pub struct MovingElements {
     settings: SolverSettings,
     bins: Bins,
     hierarchy: Hierarchy,
-    /// By element, whether it moves.
-    moves: Vec<bool>,
+    /// Rising indices of the elements of both subtrees: of what stands, and of what moves.
+    parts: [Vec<u32>; 2],
     /// Transfers between elements that stand, and the number of their links.
     between_still: (Transfers, usize),
-    /// All transfers, and the number of all links.
-    all: (Transfers, usize),
-    /// By patch: see [`normalisation`](super::cosines::normalisation).
-    normalisations: Vec<f32>,
+    /// Transfers from and to elements that move, and the number of their links.
+    of_moving: (Transfers, usize),
+    senders: Senders,
     lobes: Lobes,
 }
 
 impl MovingElements {
     /// Makes hierarchy, links and form factors of patches of which the first `still` stand.
     pub fn new(patches: Vec<Patch>, still: usize, settings: SolverSettings, workers: &dyn Workers) -> Self {
-        let hierarchy = Hierarchy::parted(&patches, still);
-        let is_parted = still > 0 && still < patches.len();
-        let mut moves = vec![still == 0; hierarchy.elements.len()];
-        for (i, element) in hierarchy.elements.iter().enumerate().filter(|_| is_parted) {
-            moves[i] = i == MOVING || element.parent != NONE && moves[element.parent as usize];
-        }
-        let mut out = Self {
-            patches,
-            still,
-            settings,
-            bins: Bins::new(settings.bins),
-            hierarchy,
-            moves,
-            between_still: Default::default(),
-            all: Default::default(),
-            normalisations: Vec::new(),
-            lobes: Lobes::default(),
-        };
-        let open = match (is_parted, still) {
-            (true, _) => vec![[STILL, STILL]],
-            (false, 0) => Vec::new(),
-            (false, _) => vec![[0, 0]],
-        };
-        out.between_still = out.transfers(open, workers);
+        let mut out = Self::unlinked(patches, still, settings);
+        out.between_still = out.transfers(out.within_still(), workers);
         out.link(workers);
-        out.lobes = Lobes::new(&out.patches, &out.bins, &out.normalisations);
         out
+    }
+
+    /// Without any links.
+    fn unlinked(patches: Vec<Patch>, still: usize, settings: SolverSettings) -> Self {
+        let hierarchy = Hierarchy::parted(&patches, still);
+        let bins = Bins::new(settings.bins);
+        let senders = Senders::new(&patches, &hierarchy, &bins);
+        let lobes = Lobes::new(&patches, &bins, &senders.normalisations);
+        let parts = parts(&hierarchy, still, patches.len());
+        let (between_still, of_moving) = Default::default();
+        Self { patches, still, settings, bins, hierarchy, parts, between_still, of_moving, senders, lobes }
+    }
+
+    /// Pairs of elements that links between what stands are refined from.
+    fn within_still(&self) -> Vec<[usize; 2]> {
+        match (self.still, self.patches.len()) {
+            (0, _) => Vec::new(),
+            (still, all) if still == all => vec![[0, 0]],
+            _ => vec![[STILL, STILL]],
+        }
     }
 
     /// Puts the patches that move elsewhere, in their order, and makes their links anew.
     pub fn follow(&mut self, moved: &[Patch], workers: &dyn Workers) {
         self.patches[self.still..].copy_from_slice(moved);
-        self.hierarchy.follow(&self.patches, &self.moves);
+        let Self { patches, still, bins, hierarchy, parts: [_, parts], senders, lobes, .. } = self;
+        hierarchy.follow(patches, parts);
+        senders.follow(patches, hierarchy, bins, parts);
+        lobes.follow(patches, bins, &senders.normalisations, *still);
         self.link(workers);
-        self.lobes.follow(&self.patches, &self.bins, &self.normalisations, self.still);
     }
 
     /// Patches: static ones first, then moving ones.
@@ -81,27 +97,70 @@ impl MovingElements {
         &self.patches
     }
 
+    /// Numbers of the patches that move.
+    pub fn moving(&self) -> Range<usize> {
+        self.still..self.patches.len()
+    }
+
+    /// Patches, elements and bins.
+    pub fn scene(&self) -> SweepScene<'_> {
+        SweepScene {
+            patches: &self.patches,
+            hierarchy: &self.hierarchy,
+            bins: &self.bins,
+            normalisations: &self.senders.normalisations,
+        }
+    }
+
+    /// Metals.
+    pub fn lobes(&self) -> &Lobes {
+        &self.lobes
+    }
+
+    /// Number of links between what stands, and of those from and to what moves.
+    pub fn links(&self) -> [usize; 2] {
+        [self.between_still.1, self.of_moving.1]
+    }
+
+    /// Links between what stands, for a GPU.
+    pub fn still_tables(&self) -> PartTables {
+        self.tables(&self.between_still.0, &self.parts[0])
+    }
+
+    /// Links of what moves, for a GPU.
+    pub fn moving_tables(&self) -> PartTables {
+        self.tables(&self.of_moving.0, &self.parts[1])
+    }
+
+    fn tables(&self, transfers: &Transfers, elements: &[u32]) -> PartTables {
+        let cells = Cells::new(transfers, None, &self.hierarchy, self.bins.count());
+        let waves = Waves::of_elements(elements, &cells, &self.hierarchy, &self.bins);
+        PartTables { cells, waves }
+    }
+
     /// A solver of the present elements and links.
     pub fn solver(&self) -> AntiradianceSolver<'_> {
         AntiradianceSolver::linked(
             &self.patches,
             (self.hierarchy.clone(), self.bins.clone()),
-            self.all.clone(),
-            (self.normalisations.clone(), self.lobes.clone()),
+            (self.between_still.0.and(&self.of_moving.0), self.links().iter().sum()),
+            (self.senders.normalisations.clone(), self.lobes.clone()),
         )
     }
 
     /// Transfers of the links between pairs of elements, and the number of links.
-    fn transfers(&mut self, open: Vec<[usize; 2]>, workers: &dyn Workers) -> (Transfers, usize) {
-        let Self { patches, hierarchy, bins, settings, .. } = &*self;
-        let exchange = Exchange::new(bins, patches, hierarchy, settings.spreading);
+    fn transfers(&self, open: Vec<[usize; 2]>, workers: &dyn Workers) -> (Transfers, usize) {
+        let Self { patches, hierarchy, bins, settings, .. } = self;
         let links = Links::between(patches, hierarchy, bins, settings.width, open);
-        let transfers = Transfers::new(&exchange, &links, workers);
-        self.normalisations = exchange.normalisations;
-        (transfers, links.count())
+        (Transfers::new(&self.exchange(), &links, workers), links.count())
     }
 
-    /// Adds the links of what moves to those of what stands.
+    fn exchange(&self) -> Exchange<'_> {
+        let Self { patches, hierarchy, bins, senders, settings, .. } = self;
+        Exchange { bins, patches, hierarchy, senders, spreading: settings.spreading }
+    }
+
+    /// Makes the links of what moves.
     fn link(&mut self, workers: &dyn Workers) {
         let open = match (self.still, self.patches.len()) {
             (0, 0) => Vec::new(),
@@ -109,15 +168,30 @@ impl MovingElements {
             (still, all) if still == all => Vec::new(),
             _ => vec![[MOVING, MOVING], [STILL, MOVING]],
         };
-        let (moving, links) = self.transfers(open, workers);
-        let (still, still_links) = &self.between_still;
-        self.all = (still.and(&moving), still_links + links);
+        self.of_moving = self.transfers(open, workers);
+    }
+}
+
+/// Elements of what stands and of what moves. The root is in neither where there is both.
+fn parts(hierarchy: &Hierarchy, still: usize, patches: usize) -> [Vec<u32>; 2] {
+    let all = 0..hierarchy.elements.len() as u32;
+    match still {
+        0 => [Vec::new(), all.collect()],
+        still if still == patches => [all.collect(), Vec::new()],
+        _ => {
+            let mut moves = vec![false; hierarchy.elements.len()];
+            for (i, element) in hierarchy.elements.iter().enumerate() {
+                moves[i] = i == MOVING || element.parent != NONE && moves[element.parent as usize];
+            }
+            let (moving, still) = all.skip(1).partition(|i| moves[*i as usize]);
+            [still, moving]
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Serial;
+    use super::super::{Linking, Serial};
     use super::*;
     use crate::random::Stream;
     use glam::Vec3;
@@ -181,6 +255,30 @@ mod tests {
         let [same, apart] = [&found, &before].map(|light| solver.difference(light, &expected));
         assert!(same < 1e-3 && apart > 0.02, "{same}, {apart}");
         assert_eq!(followed.solver().links, solver.links);
+    }
+
+    #[test]
+    fn links_made_piece_by_piece_are_those_made_at_once() {
+        let (patches, still) = balls(Vec3::new(0.2, 0.0, 0.0));
+        for still in [0, still, patches.len()] {
+            let whole = MovingElements::new(patches.clone(), still, settings(), &Serial);
+            for work in [300, 7_000, usize::MAX] {
+                let mut linking = Linking::new(patches.clone(), still, settings());
+                let mut pieces = 0;
+                let (elements, tables) = loop {
+                    pieces += 1;
+                    match linking.advance(work) {
+                        Ok(done) => break done,
+                        Err(left) => linking = left,
+                    }
+                };
+                assert!(
+                    elements.between_still == whole.between_still && elements.of_moving == whole.of_moving
+                );
+                assert!(tables == whole.still_tables());
+                assert!(work > 300 || still == 0 || pieces > 10, "{pieces}");
+            }
+        }
     }
 
     #[test]

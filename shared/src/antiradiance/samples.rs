@@ -24,18 +24,22 @@ impl Samples {
     /// Those of all elements.
     pub fn new(patches: &[Patch], hierarchy: &Hierarchy) -> Self {
         let count = hierarchy.elements.len();
-        let mut out = Self { few: Vec::with_capacity(count), many: Vec::with_capacity(count) };
-        for (i, element) in hierarchy.elements.iter().enumerate() {
-            if element.is_patch() {
-                let patch = &patches[element.first as usize];
-                out.few.push(equal(patch.quarters()));
-                out.many.push(equal(patch.sixteenths()));
-            } else {
-                out.few.push(descendants(hierarchy, i));
-                out.many.push(descendants(hierarchy, i));
-            }
-        }
+        let mut out = Self { few: vec![[Vec4::ZERO; FEW]; count], many: vec![[Vec4::ZERO; MANY]; count] };
+        (0..count).for_each(|i| out.follow(patches, hierarchy, i));
         out
+    }
+
+    /// Computes those of an element anew.
+    pub fn follow(&mut self, patches: &[Patch], hierarchy: &Hierarchy, i: usize) {
+        let element = &hierarchy.elements[i];
+        if element.is_patch() {
+            let patch = &patches[element.first as usize];
+            self.few[i] = equal(patch.quarters());
+            self.many[i] = equal(patch.sixteenths());
+        } else {
+            self.few[i] = descendants(hierarchy, i);
+            self.many[i] = descendants(hierarchy, i);
+        }
     }
 
     /// The places of an element for `wanted` of them.

@@ -9,7 +9,7 @@ use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};
 use super::transfer::Transfer;
-use super::transfers::{Exchange, Spreading, Transfers};
+use super::transfers::{Exchange, Senders, Spreading, Transfers};
 use super::transport::{global_pass, pull, push};
 use super::workers::Workers;
 use glam::Vec3;
@@ -131,9 +131,11 @@ impl<'a> AntiradianceSolver<'a> {
         let bins = Bins::new(settings.bins);
         let hierarchy = Hierarchy::new(patches);
         let links = Links::new(patches, &hierarchy, &bins, settings.width);
-        let exchange = Exchange::new(&bins, patches, &hierarchy, settings.spreading);
+        let senders = Senders::new(patches, &hierarchy, &bins);
+        let spreading = settings.spreading;
+        let exchange = Exchange { bins: &bins, patches, hierarchy: &hierarchy, senders: &senders, spreading };
         let transfers = Transfers::new(&exchange, &links, workers);
-        let normalisations = exchange.normalisations;
+        let normalisations = senders.normalisations;
         let lobes = Lobes::new(patches, &bins, &normalisations);
         Self::linked(patches, (hierarchy, bins), (transfers, links.count()), (normalisations, lobes))
     }

@@ -76,8 +76,9 @@ impl Sweep {
             }
         }
         let mut order = Vec::with_capacity(cells);
+        let all: Vec<u32> = (0..elements.len() as u32).collect();
         for way in &scene.bins.directions {
-            order.extend(ordered(elements, *way));
+            order.extend(ordered(elements, &all, *way));
         }
         Self { order, offsets, senders, factors }
     }
@@ -160,17 +161,18 @@ impl Sweep {
     }
 }
 
-/// Elements by the first of their patches along a way, parents before children.
-pub(super) fn ordered(elements: &[Element], way: Vec3) -> Vec<u32> {
+/// Elements of whole subtrees, given by their rising indices, by the first of their patches along a way; parents before children.
+pub(super) fn ordered(elements: &[Element], of: &[u32], way: Vec3) -> Vec<u32> {
     let mut first = vec![f32::INFINITY; elements.len()];
-    for (i, element) in elements.iter().enumerate().rev() {
+    for i in of.iter().rev().map(|i| *i as usize) {
+        let element = &elements[i];
         first[i] = if element.is_patch() {
             element.position.dot(way)
         } else {
             first[element.children()].iter().fold(f32::INFINITY, |least, own| least.min(*own))
         };
     }
-    let mut order: Vec<u32> = (0..elements.len() as u32).collect();
+    let mut order = of.to_vec();
     order.sort_unstable_by(|a, b| first[*a as usize].total_cmp(&first[*b as usize]).then_with(|| a.cmp(b)));
     order
 }

@@ -75,22 +75,19 @@ impl Transfers {
     }
 }
 
-/// What form factors are computed from.
-pub struct Exchange<'a> {
-    bins: &'a Bins,
-    patches: &'a [Patch],
-    hierarchy: &'a Hierarchy,
+/// What form factors need of senders beside their elements.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Senders {
     samples: Samples,
     /// By patch: see [`normalisation`].
     pub normalisations: Vec<f32>,
     /// Index of a patch of each element.
     first_patch: Vec<u32>,
-    spreading: Spreading,
 }
 
-impl<'a> Exchange<'a> {
-    /// Prepares the elements.
-    pub fn new(bins: &'a Bins, patches: &'a [Patch], hierarchy: &'a Hierarchy, spreading: Spreading) -> Self {
+impl Senders {
+    /// Those of all elements.
+    pub fn new(patches: &[Patch], hierarchy: &Hierarchy, bins: &Bins) -> Self {
         let normalisations = patches.iter().map(|patch| normalisation(bins, patch.normal)).collect();
         let samples = Samples::new(patches, hierarchy);
         let mut first_patch = vec![0; hierarchy.elements.len()];
@@ -98,9 +95,37 @@ impl<'a> Exchange<'a> {
             let first = element.first as usize;
             first_patch[i] = if element.is_patch() { element.first } else { first_patch[first] };
         }
-        Self { bins, patches, hierarchy, samples, normalisations, first_patch, spreading }
+        Self { samples, normalisations, first_patch }
     }
 
+    /// Computes them anew for elements that have moved.
+    pub fn follow(&mut self, patches: &[Patch], hierarchy: &Hierarchy, bins: &Bins, moved: &[u32]) {
+        for i in moved {
+            self.samples.follow(patches, hierarchy, *i as usize);
+            let element = &hierarchy.elements[*i as usize];
+            if element.is_patch() {
+                let patch = element.first as usize;
+                self.normalisations[patch] = normalisation(bins, patches[patch].normal);
+            }
+        }
+    }
+}
+
+/// What form factors are computed from.
+pub struct Exchange<'a> {
+    /// Directions.
+    pub bins: &'a Bins,
+    /// Patches.
+    pub patches: &'a [Patch],
+    /// Elements.
+    pub hierarchy: &'a Hierarchy,
+    /// Of the same elements.
+    pub senders: &'a Senders,
+    /// How wide senders reach several bins.
+    pub spreading: Spreading,
+}
+
+impl Exchange<'_> {
     /// Adds the transfers of a link.
     pub fn add(&self, receiver: usize, sender: usize, out: &mut Vec<Transfer>) {
         let [to, from] = [receiver, sender].map(|i| &self.hierarchy.elements[i]);
@@ -113,7 +138,7 @@ impl<'a> Exchange<'a> {
         let wide = if is_exact { WIDE.iter().take_while(|least| ratio > **least).count() } else { 0 };
         let places: &[Vec4] = match wide {
             0 => &middle,
-            1 => self.samples.of(sender, FEW),
+            1 => self.senders.samples.of(sender, FEW),
             3 if from.is_patch() => {
                 near =
                     self.patches[from.first as usize].sixty_fourths().map(|place| place.extend(1.0 / 64.0));
@@ -124,7 +149,7 @@ impl<'a> Exchange<'a> {
                 very_near = places.map(|place| place.extend(1.0 / 256.0));
                 &very_near
             }
-            _ => self.samples.of(sender, MANY),
+            _ => self.senders.samples.of(sender, MANY),
         };
         let width = if is_exact { 0 } else { Spread::width(self.bins, from.area / square) };
         let begin = out.len();
@@ -166,7 +191,7 @@ impl<'a> Exchange<'a> {
         if !from.is_flat() {
             return Some((1.0, 1.0));
         }
-        let normalisation = self.normalisations[self.first_patch[sender] as usize];
+        let normalisation = self.senders.normalisations[self.senders.first_patch[sender] as usize];
         let cosine = from.normal.dot(direction).abs();
         let mean = BinCosines::new(from.normal.dot(self.bins.directions[bin]), self.bins.sine()).both();
         (cosine > GRAZING).then(|| (cosine, cosine / (normalisation * mean).max(GRAZING)))

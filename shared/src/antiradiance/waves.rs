@@ -5,7 +5,8 @@
 //! elements. Where a sender comes after its receiver in the order, the receiver takes the light of the sweep before, and
 //! the sender is in a later wave: each cell reads what the same waves have left there, whichever thread comes first.
 //!
-//! The order is for speed alone: sweeps in any order come to the same light.
+//! The order is for speed alone: sweeps in any order come to the same light. What moves has waves of its own, before those of what
+//! stands ([`MovingElements`](super::MovingElements)): they are short, and those of what stands need not be made anew.
 
 use super::bins::Bins;
 use super::cells::Cells;
@@ -27,10 +28,19 @@ pub struct Waves {
 impl Waves {
     /// Sorts all cells into waves.
     pub fn new(cells: &Cells, hierarchy: &Hierarchy, bins: &Bins) -> Self {
-        let mut turns = Vec::with_capacity(2 * hierarchy.elements.len() * bins.count());
-        for bin in 0..bins.count() {
-            BinTurns::new(cells, hierarchy, bins, bin).run(&mut turns);
-        }
+        let all: Vec<u32> = (0..hierarchy.elements.len() as u32).collect();
+        Self::of_elements(&all, cells, hierarchy, bins)
+    }
+
+    /// Sorts the cells of some elements into waves: whole subtrees, by their rising indices. Light of all other elements is there before
+    /// the first wave.
+    pub fn of_elements(elements: &[u32], cells: &Cells, hierarchy: &Hierarchy, bins: &Bins) -> Self {
+        let mut turns = Turns::default();
+        (0..bins.count()).for_each(|bin| turns.add(elements, cells, (hierarchy, bins), bin));
+        turns.waves()
+    }
+
+    fn of_turns(turns: &[Turn]) -> Self {
         let waves = turns.iter().map(|turn| turn.wave).max().unwrap_or(0) as usize;
         let mut starts = vec![0u32; waves + 1];
         turns.iter().for_each(|turn| starts[turn.wave as usize] += 1);
@@ -40,7 +50,7 @@ impl Waves {
         // Waves count from 1: that of a number begins where the one before ends.
         let mut next = starts.clone();
         let mut items = vec![0; turns.len()];
-        for turn in &turns {
+        for turn in turns {
             let at = &mut next[turn.wave as usize - 1];
             items[*at as usize] = turn.item;
             *at += 1;
@@ -59,8 +69,24 @@ impl Waves {
     }
 }
 
+/// Items of some bins, before they are sorted into waves.
+#[derive(Clone, Debug, Default)]
+pub struct Turns(Vec<Turn>);
+
+impl Turns {
+    /// Adds those of a bin, which is independent of all others; `of` is as in [`Waves::of_elements`].
+    pub fn add(&mut self, of: &[u32], cells: &Cells, (hierarchy, bins): (&Hierarchy, &Bins), bin: usize) {
+        BinTurns::new(of, cells, hierarchy, bins, bin).run(&mut self.0);
+    }
+
+    /// Sorts them.
+    pub fn waves(&self) -> Waves {
+        Waves::of_turns(&self.0)
+    }
+}
+
 /// An item, and its wave; waves count from 1.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Turn {
     wave: u32,
     item: u32,
@@ -84,7 +110,7 @@ struct BinTurns<'a> {
 }
 
 impl<'a> BinTurns<'a> {
-    fn new(cells: &'a Cells, hierarchy: &'a Hierarchy, bins: &Bins, bin: usize) -> Self {
+    fn new(of: &[u32], cells: &'a Cells, hierarchy: &'a Hierarchy, bins: &Bins, bin: usize) -> Self {
         let elements = &hierarchy.elements;
         let none = || vec![0u32; elements.len()];
         Self {
@@ -92,7 +118,7 @@ impl<'a> BinTurns<'a> {
             hierarchy,
             bins: bins.count(),
             bin,
-            order: ordered(elements, bins.directions[bin]),
+            order: ordered(elements, of, bins.directions[bin]),
             received: none(),
             left: none(),
             read: none(),

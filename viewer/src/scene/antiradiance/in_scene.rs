@@ -6,7 +6,7 @@
 //!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, a finer one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
-//! anew, on the CPU, and the tables stay.
+//! anew, on the CPU, and all else stays.
 
 use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms, run};
 use crate::error::ViewerError;
@@ -18,9 +18,7 @@ use crate::scene::relight::Relight;
 use crate::scene::rig::GpuRig;
 use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::antiradiance::{
-    Iteration, MovingElements, PointPatches, SceneTriangle, Serial, SolverSettings,
-};
+use rebounce_shared::antiradiance::{MovingElements, PointPatches, SceneTriangle, Serial, SolverSettings};
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::meta::Material;
 use std::cell::{Cell, RefCell};
@@ -143,25 +141,23 @@ impl SceneAntiradiance {
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
         let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
         let mut elements = MovingElements::new(patches.patches(&at_rest), patches.still, settings, &Serial);
+        let still = elements.still_tables();
         let beside = relight.is_linked().then(|| {
-            let light = GpuAntiradiance::new(gpu, pipelines, &elements.solver(), Iteration::Ordered)?;
+            let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
             let count = scene.points.len();
             let [operator, change] = ["operator", "change"].map(|label| colours(label, count));
             Ok::<_, ViewerError>(BesideOperator { at_rest: light.into(), operator, change })
         });
         let beside = beside.transpose()?;
         elements.follow(&patches.moving(&places(moving, &riders)), &Serial);
-        let (light, counts, glossy) = {
-            let solver = elements.solver();
-            let light = GpuAntiradiance::new(gpu, pipelines, &solver, Iteration::Ordered)?;
-            let counts = AntiradianceCounts {
-                elements: solver.hierarchy.elements.len(),
-                links: solver.links,
-                bins: solver.bins.count(),
-                iterations: 0,
-            };
-            (light, counts, solver.lobes.patches)
+        let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
+        let counts = AntiradianceCounts {
+            elements: elements.scene().hierarchy.elements.len(),
+            links: elements.links().iter().sum(),
+            bins: elements.scene().bins.count(),
+            iterations: 0,
         };
+        let glossy = &elements.lobes().patches;
         let mut patch_of = vec![NONE; scene.points.len()];
         for (number, point) in (0..).zip(&patches.points) {
             patch_of[*point as usize] = number;
@@ -343,7 +339,7 @@ impl SceneAntiradiance {
         gpu.queue.write_buffer(&self.uniforms, place, &(lamps.count as u32).to_le_bytes());
         let kernel = pipelines.direct_lobes(gpu, lamps.layout);
         let light = self.light.borrow();
-        let buffers = [&self.point_of_glossy, &self.points, &self.irradiance, &light.ways, &self.direct[1]];
+        let buffers = [&self.point_of_glossy, &self.points, &self.irradiance, light.ways(), &self.direct[1]];
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_bind_group(1, lamps.group, &[]);
         self.dispatch(gpu, &mut pass, kernel, &buffers, &[dispatch]);
@@ -359,9 +355,8 @@ impl SceneAntiradiance {
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let mut elements = self.elements.borrow_mut();
         elements.follow(&self.patches.moving(&places(moving, &riders)), &Serial);
-        let solver = elements.solver();
-        self.light.borrow_mut().follow(gpu, pipelines, &solver)?;
-        self.counts.set(AntiradianceCounts { links: solver.links, ..self.counts.get() });
+        self.light.borrow_mut().follow(gpu, pipelines, &elements, &elements.moving_tables())?;
+        self.counts.set(AntiradianceCounts { links: elements.links().iter().sum(), ..self.counts.get() });
         Ok(())
     }
 

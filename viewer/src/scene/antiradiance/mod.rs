@@ -1,6 +1,7 @@
 //! Antiradiance on the GPU: the steps of [`rebounce_shared::antiradiance`] as compute passes.
 //!
 //! * here: buffers, their contents, and the dispatches;
+//! * `links` – the links, those of what moves apart;
 //! * `in_scene` – patches of a scene's points, and the light between both;
 //! * `pipelines` – the compute pipelines.
 //!
@@ -12,18 +13,23 @@
 //! symmetric and the asymmetric one through the levels of the hierarchy.
 
 mod in_scene;
+mod links;
 mod pipelines;
 
 pub use in_scene::{AntiradianceCounts, Lamps, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
 
 use crate::error::ViewerError;
+use crate::gpu::Gpu;
 use crate::gpu::bindings::{WORKGROUP, buffer, empty_buffer, grid, group, part};
 use crate::gpu::scope::Scope;
-use crate::gpu::{Gpu, MAX_BINDING};
 use bytemuck::{Pod, Zeroable};
+use links::{GpuLinks, MovingWaves, Shared};
 use rebounce_shared::antiradiance::lobe::widened_alpha;
-use rebounce_shared::antiradiance::{AntiradianceSolver, Cells, DirectLight, Iteration, Patch, Waves};
+use rebounce_shared::antiradiance::{
+    AntiradianceSolver, Cells, DirectLight, Iteration, Lobes, MovingElements, PartTables, Patch, SweepScene,
+    Waves,
+};
 use rebounce_shared::glam::Vec3;
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -39,6 +45,7 @@ struct BinsUniform {
     sine: f32,
     solid_angle: f32,
     patches: u32,
+    moving: u32,
 }
 
 /// `Glossy` in lobe_bins.wgsl.
@@ -53,6 +60,9 @@ struct GlossyPatch {
 const STRIDE: u64 = 256;
 /// Bytes of a cell of the tables.
 const CELL: u64 = 8;
+/// Usage of what is written and read by shaders.
+const STORAGE: BufferUsages =
+    BufferUsages::STORAGE.union(BufferUsages::COPY_DST).union(BufferUsages::COPY_SRC);
 
 /// A dispatch: the place of its uniform, and its workgroups.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +84,15 @@ impl Uniforms {
         self.0.resize(self.0.len().next_multiple_of(STRIDE as usize), 0);
         BinsDispatch { place, groups }
     }
+
+    /// Adds a dispatch for each wave, over its items.
+    fn waves(&mut self, waves: &Waves, constants: BinsUniform) -> Vec<BinsDispatch> {
+        let each = waves.starts.windows(2).map(|wave| {
+            let (first, count) = (wave[0], wave[1] - wave[0]);
+            self.dispatch(count as usize, |groups| BinsUniform { first, count, groups, ..constants })
+        });
+        each.collect()
+    }
 }
 
 /// Patches and clusters of a scene, their links, and the light of the steps so far.
@@ -85,6 +104,8 @@ pub struct GpuAntiradiance {
     levels: Vec<BinsDispatch>,
     /// Of the ordered iteration, by wave.
     waves: Vec<BinsDispatch>,
+    /// Those of what moves, which come before.
+    moving: Option<MovingWaves>,
     /// Over all elements.
     elements: BinsDispatch,
     /// Over all patches.
@@ -94,9 +115,12 @@ pub struct GpuAntiradiance {
     direct: wgpu::Buffer,
     /// By glossy patch, direct irradiance by bin, then what comes evenly from all sides.
     direct_lobes: wgpu::Buffer,
-    ways: wgpu::Buffer,
-    incident: wgpu::Buffer,
+    gains: wgpu::Buffer,
     irradiance: wgpu::Buffer,
+    items: wgpu::Buffer,
+    uniforms: wgpu::Buffer,
+    shared: Shared,
+    links: GpuLinks,
     /// Light over links: gather_bins.wgsl by levels, or sweep_bins.wgsl by waves.
     gather: wgpu::BindGroup,
     measure: wgpu::BindGroup,
@@ -118,54 +142,73 @@ impl GpuAntiradiance {
         solver: &AntiradianceSolver<'_>,
         iteration: Iteration,
     ) -> Result<Self, ViewerError> {
-        let (hierarchy, bins) = (&solver.hierarchy, solver.bins.count());
+        let AntiradianceSolver { patches, hierarchy, bins, normalisations, .. } = solver;
         let is_ordered = iteration == Iteration::Ordered;
         let spread = (!is_ordered).then_some(&solver.spread);
-        let cells = Cells::new(&solver.transfers, spread, hierarchy, bins);
-        let waves = if is_ordered { Waves::new(&cells, hierarchy, &solver.bins) } else { Waves::default() };
-        let table = CELL * (hierarchy.elements.len() * bins) as u64;
-        let links = size_of_val(&cells.transfers[..]) as u64;
-        if let Some(bytes) = [table, links].into_iter().find(|bytes| *bytes > MAX_BINDING) {
-            return Err(ViewerError::TooManyElements { bytes, limit: MAX_BINDING });
-        }
+        let cells = Cells::new(&solver.transfers, spread, hierarchy, bins.count());
+        let waves = if is_ordered { Waves::new(&cells, hierarchy, bins) } else { Waves::default() };
+        let scene = SweepScene { patches, hierarchy, bins, normalisations };
+        let still = PartTables { cells, waves };
+        Self::of_parts((gpu, pipelines), (&scene, &solver.lobes), [&still, &PartTables::default()], iteration)
+    }
+
+    /// Uploads elements of which some move, with the tables of what stands, for the ordered iteration.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_moving(
+        gpu: &Gpu,
+        pipelines: &AntiradiancePipelines,
+        elements: &MovingElements,
+        still: &PartTables,
+    ) -> Result<Self, ViewerError> {
+        let scene = (&elements.scene(), elements.lobes());
+        Self::of_parts((gpu, pipelines), scene, [still, &elements.moving_tables()], Iteration::Ordered)
+    }
+
+    fn of_parts(
+        (gpu, pipelines): (&Gpu, &AntiradiancePipelines),
+        (scene, lobes): (&SweepScene<'_>, &Lobes),
+        [still, moving]: [&PartTables; 2],
+        iteration: Iteration,
+    ) -> Result<Self, ViewerError> {
+        let SweepScene { patches, hierarchy, bins, normalisations } = *scene;
+        let count = bins.count();
         let own = Scope::new(gpu);
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let stored = |label, bytes: &[u8]| buffer(&own, label, storage, bytes);
-        let empty = |label, bytes| empty_buffer(&own, label, storage, bytes);
+        let links = GpuLinks::new(gpu, &still.cells, &moving.cells)?;
+        let table = links::fitting(CELL * (hierarchy.elements.len() * count) as u64)?;
+        let stored = |label, bytes: &[u8]| buffer(&own, label, STORAGE, bytes);
+        let empty = |label, bytes| empty_buffer(&own, label, STORAGE, bytes);
         let elements = stored("elements", bytemuck::cast_slice(&hierarchy.elements));
-        let ways: Vec<[f32; 4]> =
-            solver.bins.directions.iter().map(|way| way.extend(0.0).to_array()).collect();
+        let ways: Vec<[f32; 4]> = bins.directions.iter().map(|way| way.extend(0.0).to_array()).collect();
         let ways = stored("ways", bytemuck::cast_slice(&ways));
         let by_patch = |label, cells: Vec<[f32; 4]>| stored(label, bytemuck::cast_slice(&cells));
         let is_metal = |patch: &Patch| if patch.roughness.is_some() { 1.0 } else { 0.0 };
         let albedo = |patch: &Patch| patch.albedo.extend(is_metal(patch)).to_array();
-        let albedo = by_patch("albedo", solver.patches.iter().map(albedo).collect());
-        let dark = |normalisation: &f32| [0.0, 0.0, 0.0, *normalisation];
-        let lobes = &solver.lobes;
+        let albedo = by_patch("albedo", patches.iter().map(albedo).collect());
         let no_lobe = std::iter::repeat_n([0.0; 4], lobes.gains.len());
-        let radiance = by_patch("radiance", solver.normalisations.iter().map(dark).chain(no_lobe).collect());
-        let gains = by_patch("gains", lobes.gains.iter().map(|gain| gain.extend(0.0).to_array()).collect());
+        let radiance = by_patch("radiance", normalisations.iter().map(dark).chain(no_lobe).collect());
+        let gains = by_patch("gains", gain_cells(&lobes.gains));
         let glossy = lobes.patches.iter().map(|patch| {
             let patch = *patch as usize;
-            let roughness = solver.patches[patch].roughness.unwrap_or_default();
-            let alpha = widened_alpha(roughness, solver.bins.sine());
+            let roughness = patches[patch].roughness.unwrap_or_default();
+            let alpha = widened_alpha(roughness, bins.sine());
             GlossyPatch { element: hierarchy.element_of[patch], alpha }
         });
         let glossy = stored("glossy patches", bytemuck::cast_slice(&glossy.collect::<Vec<_>>()));
         let arriving = empty("arriving by bin", 16 * lobes.gains.len() as u64);
         let direct_lobes = empty("direct by bin", 16 * (lobes.gains.len() + lobes.patches.len()) as u64);
-        let offsets = stored("offsets", bytemuck::cast_slice(&cells.offsets));
-        let transfers = stored("transfers", bytemuck::cast_slice(&cells.transfers));
         let [incident, exitant] = ["incident", "exitant"].map(|label| empty(label, table));
         let [direct, irradiance] =
-            ["direct", "irradiance"].map(|label| empty(label, 16 * solver.patches.len() as u64));
-        let items = stored("items", bytemuck::cast_slice(&waves.items));
+            ["direct", "irradiance"].map(|label| empty(label, 16 * patches.len() as u64));
+        let items = stored("items", bytemuck::cast_slice(&still.waves.items));
 
         let constants = BinsUniform {
-            bins: bins as u32,
-            sine: solver.bins.sine(),
-            solid_angle: solver.bins.solid_angle(),
-            patches: solver.patches.len() as u32,
+            bins: count as u32,
+            sine: bins.sine(),
+            solid_angle: bins.solid_angle(),
+            patches: patches.len() as u32,
+            moving: links.moving(),
             ..BinsUniform::default()
         };
         let mut uniforms = Uniforms::default();
@@ -174,51 +217,56 @@ impl GpuAntiradiance {
             uniforms.dispatch(threads, |groups| BinsUniform { first, count, groups, ..constants })
         };
         let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
-        let levels = levels.map(|level| dispatch(level.clone(), level.len() * bins)).collect();
+        let levels = levels.map(|level| dispatch(level.clone(), level.len() * count)).collect();
         let [all_elements, all_patches] =
-            [hierarchy.elements.len(), solver.patches.len()].map(|count| dispatch(0..count, count));
-        let count = lobes.patches.len();
-        let all_lobes = (count > 0).then(|| dispatch(0..count, count * bins));
-        let waves = waves.starts.windows(2).map(|wave| {
-            let items = wave[0] as usize..wave[1] as usize;
-            dispatch(items.clone(), items.len())
-        });
-        let waves = waves.collect();
+            [hierarchy.elements.len(), patches.len()].map(|count| dispatch(0..count, count));
+        let glossy_count = lobes.patches.len();
+        let all_lobes = (glossy_count > 0).then(|| dispatch(0..glossy_count, glossy_count * count));
+        let waves = uniforms.waves(&still.waves, constants);
         let uniforms = buffer(&own, "passes", BufferUsages::UNIFORM, &uniforms.0);
 
+        let shared = Shared { constants, elements, ways, radiance, incident, exitant };
         let make = |label: &str, layout, buffers: &[&wgpu::Buffer]| {
             let mut resources = vec![part(&uniforms, size_of::<BinsUniform>() as u64)];
-            resources.extend([&elements, &ways].map(|buffer| buffer.as_entire_binding()));
+            resources.extend([&shared.elements, &shared.ways].map(|buffer| buffer.as_entire_binding()));
             resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
             group(&own, label, layout, &resources)
         };
-        let gather = if is_ordered {
-            let swept = [&offsets, &transfers, &items, &radiance, &incident, &exitant];
-            make("sweep bins", &pipelines.sweep.0, &swept)
-        } else {
-            make("gather bins", &pipelines.gather.0, &[&offsets, &transfers, &exitant, &incident])
+        let Shared { radiance, incident, exitant, .. } = &shared;
+        let gather = match iteration {
+            Iteration::Ordered => links.sweep(gpu, pipelines, &shared, (&items, &uniforms)),
+            Iteration::Symmetric | Iteration::Asymmetric(_) => {
+                let gathered = [&links.offsets, &links.transfers, exitant, incident];
+                make("gather bins", &pipelines.gather.0, &gathered)
+            }
         };
-        let measure = make("measure bins", &pipelines.measure.0, &[&incident, &radiance, &irradiance]);
-        let reflected = [&albedo, &direct, &irradiance, &radiance];
+        let measure = make("measure bins", &pipelines.measure.0, &[incident, radiance, &irradiance]);
+        let reflected = [&albedo, &direct, &irradiance, radiance];
         let reflect = make("reflect patches", &pipelines.reflect.0, &reflected);
-        let arriving_from = [&glossy, &incident, &direct_lobes, &radiance, &arriving];
+        let arriving_from = [&glossy, incident, &direct_lobes, radiance, &arriving];
         let arrive_lobes = make("arrive lobes", &pipelines.arrive_lobes.0, &arriving_from);
-        let of_lobes = [&glossy, &gains, &arriving, &radiance];
+        let of_lobes = [&glossy, &gains, &arriving, radiance];
         let reflect_lobes = make("reflect lobes", &pipelines.reflect_lobes.0, &of_lobes);
-        let leave = make("leave bins", &pipelines.leave.0, &[&radiance, &incident, &exitant]);
+        let leave = make("leave bins", &pipelines.leave.0, &[radiance, incident, exitant]);
+        let moving =
+            (links.moving() > 0).then(|| MovingWaves::new(gpu, pipelines, (&links, &shared), &moving.waves));
         Ok(Self {
             iteration,
             step: 0,
             levels,
             waves,
+            moving,
             elements: all_elements,
             patches: all_patches,
             lobes: all_lobes,
             direct,
             direct_lobes,
-            ways,
-            incident,
+            gains,
             irradiance,
+            items,
+            uniforms,
+            shared,
+            links,
             gather,
             measure,
             reflect,
@@ -231,10 +279,11 @@ impl GpuAntiradiance {
 
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        self.own.bytes()
+        let moving = self.moving.as_ref().map_or(0, MovingWaves::bytes);
+        self.own.bytes() + self.links.bytes() + moving
     }
 
-    /// Takes over a solver of the same elements, some of which have moved. The light stays.
+    /// Takes over elements of [`Self::of_moving`] where they are now, with the tables of what moves. The light stays.
     ///
     /// # Errors
     /// As [`Self::new`]; it is as before then.
@@ -242,15 +291,22 @@ impl GpuAntiradiance {
         &mut self,
         gpu: &Gpu,
         pipelines: &AntiradiancePipelines,
-        solver: &AntiradianceSolver<'_>,
+        elements: &MovingElements,
+        PartTables { cells, waves }: &PartTables,
     ) -> Result<(), ViewerError> {
-        let next = Self { step: self.step, ..Self::new(gpu, pipelines, solver, self.iteration)? };
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        for (from, to) in [(&self.incident, &next.incident), (&self.irradiance, &next.irradiance)] {
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
+        if self.links.follow(gpu, cells)? {
+            self.gather = self.links.sweep(gpu, pipelines, &self.shared, (&self.items, &self.uniforms));
         }
-        gpu.queue.submit([encoder.finish()]);
-        *self = next;
+        self.moving = Some(MovingWaves::new(gpu, pipelines, (&self.links, &self.shared), waves));
+        let (scene, still) = (elements.scene(), elements.moving().start);
+        let write = |buffer, first: usize, rows: Vec<[f32; 4]>| {
+            gpu.queue.write_buffer(buffer, 16 * first as u64, bytemuck::cast_slice(&rows));
+        };
+        gpu.queue.write_buffer(&self.shared.elements, 0, bytemuck::cast_slice(&scene.hierarchy.elements));
+        write(&self.shared.radiance, still, scene.normalisations[still..].iter().map(dark).collect());
+        let lobes = elements.lobes();
+        let kept = lobes.patches.partition_point(|patch| (*patch as usize) < still) * scene.bins.count();
+        write(&self.gains, kept, gain_cells(&lobes.gains[kept..]));
         Ok(())
     }
 
@@ -264,9 +320,14 @@ impl GpuAntiradiance {
         self.step
     }
 
-    /// Waves of a step of the ordered iteration; 0 of the others.
-    pub fn waves(&self) -> usize {
-        self.waves.len()
+    /// Waves of a step of the ordered iteration, of what stands and of what moves; 0 of the others.
+    pub fn waves(&self) -> [usize; 2] {
+        [self.waves.len(), self.moving.as_ref().map_or(0, |moving| moving.waves.len())]
+    }
+
+    /// Directions of the bins.
+    fn ways(&self) -> &wgpu::Buffer {
+        &self.shared.ways
     }
 
     /// Sets the direct light of the patches; steps go on from the light before.
@@ -274,7 +335,7 @@ impl GpuAntiradiance {
         let row = |light: &Vec3| light.extend(0.0).to_array();
         let rows: Vec<[f32; 4]> = direct.irradiance.iter().map(row).collect();
         gpu.queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&rows));
-        let bins = (self.ways.size() / 16) as usize;
+        let bins = self.shared.constants.bins as usize;
         let by_bin = direct.by_bin.chunks_exact(bins).flat_map(|row| row.iter().chain([&Vec3::ZERO]));
         let by_bin: Vec<[f32; 4]> = by_bin.map(row).collect();
         gpu.queue.write_buffer(&self.direct_lobes, 0, bytemuck::cast_slice(&by_bin));
@@ -290,7 +351,7 @@ impl GpuAntiradiance {
     /// Encodes the beginning: no light has bounced yet.
     pub fn restart(&mut self, encoder: &mut wgpu::CommandEncoder) {
         self.step = 0;
-        encoder.clear_buffer(&self.incident, 0, None);
+        encoder.clear_buffer(&self.shared.incident, 0, None);
         encoder.clear_buffer(&self.irradiance, 0, None);
     }
 
@@ -315,11 +376,23 @@ impl GpuAntiradiance {
             Iteration::Symmetric | Iteration::Asymmetric(_) => (&pipelines.gather.1, &self.levels),
         };
         pass.set_pipeline(pipeline);
+        if let Some(moving) = &self.moving {
+            moving.waves.iter().for_each(|wave| run(&mut pass, &moving.bound, *wave));
+        }
         dispatches.iter().for_each(|dispatch| run(&mut pass, &self.gather, *dispatch));
         pass.set_pipeline(&pipelines.measure.1);
         run(&mut pass, &self.measure, self.elements);
         self.step += 1;
     }
+}
+
+/// The radiance of a patch without light: the normalisation of its cosines.
+fn dark(normalisation: &f32) -> [f32; 4] {
+    [0.0, 0.0, 0.0, *normalisation]
+}
+
+fn gain_cells(gains: &[Vec3]) -> Vec<[f32; 4]> {
+    gains.iter().map(|gain| gain.extend(0.0).to_array()).collect()
 }
 
 fn run(pass: &mut wgpu::ComputePass<'_>, bound: &wgpu::BindGroup, dispatch: BinsDispatch) {

@@ -12,6 +12,8 @@ struct Pass {
     solid_angle: f32,
     // Number of patches.
     patches: u32,
+    // First offset of the links of what moves, which come after those of what stands; 0 where all is one.
+    moving: u32,
 }
 
 struct Element {

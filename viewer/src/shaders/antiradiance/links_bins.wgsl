@@ -8,11 +8,19 @@ struct CellTransfer {
 @group(0) @binding(3) var<storage, read> offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> transfers: array<CellTransfer>;
 
-fn gathered(cell: u32) -> vec3f {
+fn over_links(row: u32) -> vec3f {
     var light = vec3f(0.0);
-    let end = offsets[cell + 1u];
-    for (var at = offsets[cell]; at < end; at++) {
+    let end = offsets[row + 1u];
+    for (var at = offsets[row]; at < end; at++) {
         light += transfers[at].factor * unpacked(exitant[transfers[at].sender]);
+    }
+    return light;
+}
+
+fn gathered(cell: u32) -> vec3f {
+    var light = over_links(cell);
+    if pass_.moving > 0u {
+        light += over_links(pass_.moving + cell);
     }
     return light;
 }
