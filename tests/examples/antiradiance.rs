@@ -3,18 +3,20 @@
 //!
 //! `antiradiance [--bins N] [--elements N] [--steps N] [--walker X,Y,Z] SCENE ...`
 //!
-//! `--walker` puts the walking figure there, and measures what a pose of it takes.
+//! `--walker` puts the walking figure there, and measures what a pose of it takes, with the patches of a draft of the scene.
 
 use anyhow::{Context, Result, anyhow};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::demo::walker;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::{LoadOptions, PoseOption, load_with};
+use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::{AntiradianceSettings, Pool, patches_of};
 use rebounce_shared::antiradiance::{
-    AntiradianceSolver, Iteration, MovingElements, Patch, Serial, SolverSettings,
+    AntiradianceSolver, Iteration, MovingElements, Patch, PointPatches, SceneTriangle, Serial, SolverSettings,
 };
 use rebounce_shared::lighting::Lighting;
 use rebounce_viewer::antiradiance::{AntiradiancePipelines, GpuAntiradiance};
@@ -132,6 +134,21 @@ fn place(text: &str) -> Result<DVec3> {
     <[f64; 3]>::try_from(numbers).map(DVec3::from).map_err(|_| anyhow!("{text} is not X,Y,Z"))
 }
 
+/// Patches as the page has them: of the points of a draft, at most so many.
+fn patches_of_draft(scene: &Scene, most: usize) -> Result<Vec<Patch>> {
+    let (baked, _) = bake(scene, &BakeSettings::new(Preset::Draft).normalised(), &())?;
+    let each = |call: &mut dyn FnMut(SceneTriangle)| {
+        for (corners, material) in scene.triangles.iter().zip(&scene.triangle_material) {
+            let is_two_sided = scene.materials[*material as usize].double_sided;
+            let corners = corners.map(|corner| scene.positions[corner as usize]);
+            call(SceneTriangle { corners, is_two_sided, roughness: None, moves: false });
+        }
+    };
+    let at = |point: usize| [baked.points[point].position(), baked.points[point].normal()];
+    let all = PointPatches::new(&baked, &|_| false, [most, 0], (&each, &at));
+    Ok(all.patches(&at))
+}
+
 /// The walking figure in a scene.
 struct Walk {
     name: String,
@@ -147,7 +164,7 @@ impl Walk {
 
     fn new(name: &str, at: DVec3, settings: &AntiradianceSettings) -> Result<Self> {
         let scene = rebounce::io::load(name)?;
-        let room = patches_of(&scene, settings.patches(), false);
+        let room = patches_of_draft(&scene, settings.patches())?;
         let pose = |i: usize| -> Result<Vec<Patch>> {
             let pose = Some(PoseOption { animation: None, time: walker::SECONDS * i as f64 / POSES as f64 });
             let figure = load_with("builtin:walker", &LoadOptions { pose, ..LoadOptions::default() })?;

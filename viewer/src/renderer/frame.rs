@@ -77,13 +77,13 @@ impl Renderer {
             moving.relit();
         }
         #[cfg(feature = "antiradiance")]
-        if let Some(own) = scene.antiradiance.get() {
+        if let Some(own) = scene.own_antiradiance() {
             own.relit(scene.is_at_rest());
         }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             #[cfg(feature = "antiradiance")]
-            if let Some(own) = scene.antiradiance.get() {
+            if let Some(own) = scene.own_antiradiance() {
                 own.darken(encoder);
             }
             #[cfg(feature = "radiosity")]

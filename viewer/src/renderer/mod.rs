@@ -377,6 +377,8 @@ impl Renderer {
         };
         self.collect_times();
         self.viewed = false;
+        #[cfg(feature = "antiradiance")]
+        self.prepare_antiradiance(&scene, moving::PIECE);
         self.update_lights(&mut encoder, &scene, Some(full), self.mode);
         #[cfg(feature = "radiosity")]
         self.solve(&mut encoder, &scene);
@@ -402,6 +404,8 @@ impl Renderer {
     pub fn relight(&mut self) -> bool {
         let Some(scene) = self.scene.clone() else { return false };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        #[cfg(feature = "antiradiance")]
+        self.prepare_antiradiance(&scene, moving::PIECE);
         self.update_lights(&mut encoder, &scene, None, Mode::All);
         self.gpu.queue.submit([encoder.finish()]);
         std::mem::take(&mut self.dirty.display)

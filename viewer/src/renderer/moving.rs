@@ -15,7 +15,9 @@ use crate::passes::shadow::Shadows;
 use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
 #[cfg(feature = "antiradiance")]
-use crate::scene::antiradiance::{AntiradianceCounts, AntiradiancePipelines, Lamps, SceneAntiradiance};
+use crate::scene::antiradiance::{
+    AntiradianceCounts, AntiradiancePipelines, Lamps, Preparation, SceneAntiradiance,
+};
 use crate::scene::moving::Moving;
 use crate::scene::radiosity::RadiosityPipelines;
 use rebounce_shared::motion::NodeMotion;
@@ -27,6 +29,9 @@ const FIRST_SLICE: u32 = 256;
 const SLICES: std::ops::RangeInclusive<u32> = 16..=1 << 16;
 /// Receivers of a slice of a solution that nobody watches.
 const WHOLE: u32 = 1 << 13;
+/// Work on the first links of antiradiance in a frame.
+#[cfg(feature = "antiradiance")]
+pub(super) const PIECE: usize = 8_000;
 
 /// How much of a solution a frame computes.
 #[derive(Clone, Copy, Debug)]
@@ -79,8 +84,7 @@ impl Renderer {
         let Some(scene) = &self.scene else { return };
         let Some(moving) = &scene.moving else { return };
         #[cfg(feature = "antiradiance")]
-        let is_by_antiradiance =
-            self.solver == SolverChoice::Antiradiance && self.has_antiradiance(scene, moving);
+        let is_by_antiradiance = self.wants_antiradiance(scene) && self.has_antiradiance(scene, moving);
         #[cfg(not(feature = "antiradiance"))]
         let is_by_antiradiance = false;
         let is_by_radiosity = match self.solver {
@@ -107,17 +111,55 @@ impl Renderer {
         Some(self.by_antiradiance()?.counts())
     }
 
-    /// Makes what antiradiance takes for a scene, the first time. Returns whether it is there: a scene may have more links than a
-    /// buffer holds.
+    /// Whether antiradiance is to compute bounced light: where it is chosen, and of itself while something deforms.
+    #[cfg(feature = "antiradiance")]
+    fn wants_antiradiance(&self, scene: &GpuScene) -> bool {
+        match self.solver {
+            SolverChoice::Antiradiance => true,
+            SolverChoice::Auto => scene.is_posed(),
+            SolverChoice::Operator | SolverChoice::Radiosity => false,
+        }
+    }
+
+    /// Whether antiradiance has what it takes for a scene; it begins to prepare that the first time.
     #[cfg(feature = "antiradiance")]
     fn has_antiradiance(&self, scene: &GpuScene, moving: &Moving) -> bool {
-        if scene.antiradiance.get().is_some() {
-            return true;
+        match scene.antiradiance.get() {
+            Some(made) => made.is_some(),
+            None => {
+                let from = (moving, scene.rig.as_ref());
+                let mut preparing = scene.preparing.borrow_mut();
+                preparing.get_or_insert_with(|| Preparation::new(from, &scene.upload));
+                false
+            }
         }
-        let pipelines = self.pipelines.antiradiance.get_or_init(|| AntiradiancePipelines::new(&self.gpu));
-        let from = (moving, scene.rig.as_ref());
-        let made = SceneAntiradiance::new(&self.gpu, pipelines, from, (&scene.upload, &scene.relight));
-        made.is_ok_and(|made| scene.antiradiance.set(made).is_ok())
+    }
+
+    /// Makes some of the links of antiradiance, if it waits for them, and lets it compute bounced light when they are there.
+    #[cfg(feature = "antiradiance")]
+    pub(super) fn prepare_antiradiance(&mut self, scene: &GpuScene, work: usize) {
+        if !self.is_preparing(scene) {
+            return;
+        }
+        let Some(moving) = &scene.moving else { return };
+        let Some(preparing) = scene.preparing.take() else { return };
+        match preparing.advance(work) {
+            Ok(prepared) => {
+                let pipelines =
+                    self.pipelines.antiradiance.get_or_init(|| AntiradiancePipelines::new(&self.gpu));
+                let (from, to) = ((moving, scene.rig.as_ref()), (&scene.upload, &scene.relight));
+                // A scene may have more links than a buffer holds: it goes without, then.
+                let made = SceneAntiradiance::new(&self.gpu, pipelines, prepared, from, to).ok();
+                let _ = scene.antiradiance.set(made);
+                self.follow_solver();
+            }
+            Err(preparing) => *scene.preparing.borrow_mut() = Some(preparing),
+        }
+    }
+
+    #[cfg(feature = "antiradiance")]
+    fn is_preparing(&self, scene: &GpuScene) -> bool {
+        self.wants_antiradiance(scene) && scene.preparing.borrow().is_some()
     }
 
     /// Takes some steps of antiradiance.
@@ -178,7 +220,7 @@ impl Renderer {
             rig.renew();
         }
         #[cfg(feature = "antiradiance")]
-        if let Some(own) = scene.antiradiance.get() {
+        if let Some(own) = scene.own_antiradiance() {
             own.moved();
         }
         self.follow_solver();
@@ -227,6 +269,10 @@ impl Renderer {
 
     /// Whether bounced light is on its way.
     pub fn is_solving(&self) -> bool {
+        #[cfg(feature = "antiradiance")]
+        if self.scene.as_ref().is_some_and(|scene| self.is_preparing(scene)) {
+            return true;
+        }
         #[cfg(feature = "antiradiance")]
         if let Some(own) = self.by_antiradiance() {
             return own.is_solving();

@@ -34,9 +34,11 @@ impl Renderer {
         }
         if scene.rig.as_ref().is_some_and(|rig| rig.pose(animation, time)) {
             #[cfg(feature = "antiradiance")]
-            if let Some(own) = scene.antiradiance.get() {
+            if let Some(own) = scene.own_antiradiance() {
                 own.moved();
             }
+            #[cfg(feature = "antiradiance")]
+            self.follow_solver();
             self.shadows.forget();
             self.still.forget();
             self.dirty.lights = true;

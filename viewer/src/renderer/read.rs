@@ -64,6 +64,8 @@ impl Renderer {
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let picture_size = (mode != Mode::Indirect).then_some(target.size);
+        #[cfg(feature = "antiradiance")]
+        self.prepare_antiradiance(&scene, usize::MAX);
         self.update_lights(&mut encoder, &scene, picture_size, mode);
         #[cfg(feature = "radiosity")]
         self.solve_all(&mut encoder, &scene);
@@ -119,6 +121,8 @@ impl Renderer {
         let out = texture_target(&own, "pixels", format, width, height);
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        #[cfg(feature = "antiradiance")]
+        self.prepare_antiradiance(&scene, usize::MAX);
         self.update_lights(&mut encoder, &scene, Some([width, height]), self.mode);
         #[cfg(feature = "radiosity")]
         self.solve_all(&mut encoder, &scene);

@@ -51,7 +51,7 @@ use crate::gpu::Gpu;
 #[cfg(feature = "radiosity")]
 use crate::gpu::scope::Scope;
 #[cfg(feature = "antiradiance")]
-use antiradiance::SceneAntiradiance;
+use antiradiance::{Preparation, SceneAntiradiance};
 #[cfg(feature = "radiosity")]
 use cube_maps::{CubeMapKernels, GpuCubeMaps};
 use extent::Extent;
@@ -73,10 +73,10 @@ use rebounce_shared::rbn::sources::Sources;
 use relight::{Relight, RelightPipelines};
 #[cfg(feature = "radiosity")]
 use rig::{GpuRig, RigPipelines};
-#[cfg(feature = "antiradiance")]
-use std::cell::Cell;
 #[cfg(feature = "radiosity")]
 use std::cell::OnceCell;
+#[cfg(feature = "antiradiance")]
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use textures::Mips;
 use upload::Upload;
@@ -118,9 +118,12 @@ pub struct GpuScene {
     /// Nodes that move, of a scene that radiosity can light.
     #[cfg(feature = "radiosity")]
     pub moving: Option<Moving>,
-    /// Antiradiance, once it was chosen for a scene that it can light.
+    /// Antiradiance, once it was prepared; `None` in it where the scene has more links than it can have.
     #[cfg(feature = "antiradiance")]
-    pub antiradiance: OnceCell<SceneAntiradiance>,
+    pub antiradiance: OnceCell<Option<SceneAntiradiance>>,
+    /// Its patches and links, on their way.
+    #[cfg(feature = "antiradiance")]
+    pub preparing: RefCell<Option<Preparation>>,
     /// Whether bounced light comes from antiradiance.
     #[cfg(feature = "antiradiance")]
     pub is_by_antiradiance: Cell<bool>,
@@ -173,14 +176,25 @@ impl GpuScene {
     /// Whether no node has moved and the rig is in its pose at rest.
     #[cfg(feature = "antiradiance")]
     pub fn is_at_rest(&self) -> bool {
-        let is_posed = self.rig.as_ref().is_some_and(|rig| rig.moment().is_some());
-        !is_posed && !self.moving.as_ref().is_some_and(Moving::is_moved)
+        !self.is_posed() && !self.moving.as_ref().is_some_and(Moving::is_moved)
+    }
+
+    /// Whether something deforms.
+    #[cfg(feature = "antiradiance")]
+    pub fn is_posed(&self) -> bool {
+        self.rig.as_ref().is_some_and(|rig| rig.moment().is_some())
+    }
+
+    /// Antiradiance, if it is prepared.
+    #[cfg(feature = "antiradiance")]
+    pub fn own_antiradiance(&self) -> Option<&SceneAntiradiance> {
+        self.antiradiance.get()?.as_ref()
     }
 
     /// Antiradiance, where it computes bounced light.
     #[cfg(feature = "antiradiance")]
     pub fn by_antiradiance(&self) -> Option<&SceneAntiradiance> {
-        self.antiradiance.get().filter(|_| self.is_by_antiradiance.get())
+        self.own_antiradiance().filter(|_| self.is_by_antiradiance.get())
     }
 
     /// The glossy transfer that pictures show; `None` where something else than links computes bounced light.
@@ -200,7 +214,7 @@ impl GpuScene {
         #[cfg(not(feature = "radiosity"))]
         let more = 0;
         #[cfg(feature = "antiradiance")]
-        let more = more + self.antiradiance.get().map_or(0, SceneAntiradiance::bytes);
+        let more = more + self.own_antiradiance().map_or(0, SceneAntiradiance::bytes);
         self.relight.bytes() + more
     }
 
@@ -289,6 +303,8 @@ impl GpuScene {
             moving,
             #[cfg(feature = "antiradiance")]
             antiradiance: OnceCell::new(),
+            #[cfg(feature = "antiradiance")]
+            preparing: None.into(),
             #[cfg(feature = "antiradiance")]
             is_by_antiradiance: false.into(),
             #[cfg(feature = "radiosity")]

@@ -50,9 +50,9 @@ impl Chart<'_> {
         let (x, y) = (range(0), range(1));
         match self.is_logarithmic {
             [false, false] => self.on(out, x, y),
-            [true, false] => self.on(out, x.log_scale(), y),
+            [true, false] => self.on(out, x.log_scale().base(2.0), y),
             [false, true] => self.on(out, x, y.log_scale()),
-            [true, true] => self.on(out, x.log_scale(), y.log_scale()),
+            [true, true] => self.on(out, x.log_scale().base(2.0), y.log_scale()),
         }
     }
 
@@ -68,9 +68,17 @@ impl Chart<'_> {
         let mut chart = ChartBuilder::on(&area)
             .margin(14)
             .x_label_area_size(42)
-            .y_label_area_size(64)
+            .y_label_area_size(56)
             .build_cartesian_2d(x, y)?;
-        chart.configure_mesh().x_desc(self.x).y_desc(self.y).draw()?;
+        let of_y = |y: &f64| if self.is_logarithmic[1] { format!("{y:.0e}") } else { format!("{y:.2}") };
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_label_formatter(&|x| format!("{x:.0}"))
+            .y_label_formatter(&of_y)
+            .x_desc(self.x)
+            .y_desc(self.y)
+            .draw()?;
         for (k, line) in self.lines.iter().enumerate() {
             let colour = HSLColor(k as f64 / self.lines.len().max(1) as f64, 0.75, 0.42);
             let drawn = chart.draw_series(LineSeries::new(line.points.iter().copied(), &colour))?;

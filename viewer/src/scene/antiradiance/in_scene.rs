@@ -6,7 +6,8 @@
 //!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, a finer one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
-//! anew, on the CPU, and all else stays.
+//! anew, on the CPU, and all else stays. The first links of all are made piece by piece ([`Preparation`]), with the light as it was
+//! before meanwhile.
 
 use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms, run};
 use crate::error::ViewerError;
@@ -18,7 +19,9 @@ use crate::scene::relight::Relight;
 use crate::scene::rig::GpuRig;
 use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::antiradiance::{MovingElements, PointPatches, SceneTriangle, Serial, SolverSettings};
+use rebounce_shared::antiradiance::{
+    Linking, MovingElements, PartTables, PointPatches, SceneTriangle, Serial, SolverSettings,
+};
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::meta::Material;
 use std::cell::{Cell, RefCell};
@@ -68,6 +71,57 @@ pub struct AntiradianceCounts {
     pub iterations: u32,
 }
 
+/// Patches and links of a scene at rest, on their way.
+pub struct Preparation {
+    patches: PointPatches,
+    linking: Linking,
+}
+
+/// Patches of a scene with all links.
+pub struct Prepared {
+    patches: PointPatches,
+    elements: MovingElements,
+    /// Tables of what stands.
+    still: PartTables,
+}
+
+impl Preparation {
+    /// Chooses the patches.
+    pub fn new((moving, rig): (&Moving, Option<&GpuRig>), upload: &Upload) -> Self {
+        let scene = moving.file();
+        let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
+        let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
+        let deforming = rig.map_or(HashSet::new(), GpuRig::deforming);
+        let each = |call: &mut dyn FnMut(SceneTriangle)| {
+            upload.triangles.each(|run, vertices, corners| {
+                let roughness = metal_roughness(&scene.meta.materials[run.material as usize]);
+                let group = scene.groups.of_material(run.material);
+                let moves = scene.groups.node_of(group).is_some() || deforming.contains(&vertices[0]);
+                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness, moves });
+            });
+        };
+        let motions = moving.motions();
+        // The triangles on the CPU are where the nodes are, and in no pose.
+        let placed = |point| moving.placed_point(&motions, point);
+        let patches = PointPatches::new(scene, &moves, MOST, (&each, &placed));
+        let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
+        let linking = Linking::new(patches.patches(&at_rest), patches.still, SolverSettings::default());
+        Self { patches, linking }
+    }
+
+    /// Makes some more links; `work` as [`Linking::advance`] has it. Returns what is prepared when all are there.
+    ///
+    /// # Errors
+    /// Itself, which is not done.
+    pub fn advance(self, work: usize) -> Result<Prepared, Self> {
+        let Self { patches, linking } = self;
+        match linking.advance(work) {
+            Ok((elements, still)) => Ok(Prepared { patches, elements, still }),
+            Err(linking) => Err(Self { patches, linking }),
+        }
+    }
+}
+
 /// What is shown beside an operator.
 struct BesideOperator {
     /// The light with what moves at rest.
@@ -109,39 +163,22 @@ pub struct SceneAntiradiance {
 }
 
 impl SceneAntiradiance {
-    /// Makes elements and links of a scene as it stands.
+    /// Uploads what is prepared; what has moved meanwhile is where it is now.
     ///
     /// # Errors
     /// As [`GpuAntiradiance::new`].
     pub fn new(
         gpu: &Gpu,
         pipelines: &AntiradiancePipelines,
+        Prepared { patches, mut elements, still }: Prepared,
         (moving, rig): (&Moving, Option<&GpuRig>),
         (upload, relight): (&Upload, &Relight),
     ) -> Result<Self, ViewerError> {
         let scene = moving.file();
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
-        let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
-        let deforming = rig.map_or(HashSet::new(), GpuRig::deforming);
-        let each = |call: &mut dyn FnMut(SceneTriangle)| {
-            upload.triangles.each(|run, vertices, corners| {
-                let roughness = metal_roughness(&scene.meta.materials[run.material as usize]);
-                let group = scene.groups.of_material(run.material);
-                let moves = scene.groups.node_of(group).is_some() || deforming.contains(&vertices[0]);
-                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness, moves });
-            });
-        };
-        let motions = moving.motions();
-        // The triangles on the CPU are where the nodes are, and in no pose.
-        let patches =
-            PointPatches::new(scene, &moves, MOST, (&each, &|point| moving.placed_point(&motions, point)));
-        let settings = SolverSettings::default();
         let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
-        let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
-        let mut elements = MovingElements::new(patches.patches(&at_rest), patches.still, settings, &Serial);
-        let still = elements.still_tables();
         let beside = relight.is_linked().then(|| {
             let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
             let count = scene.points.len();

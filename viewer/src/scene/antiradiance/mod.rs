@@ -16,7 +16,7 @@ mod in_scene;
 mod links;
 mod pipelines;
 
-pub use in_scene::{AntiradianceCounts, Lamps, SceneAntiradiance};
+pub use in_scene::{AntiradianceCounts, Lamps, Preparation, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
 
 use crate::error::ViewerError;
