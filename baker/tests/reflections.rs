@@ -19,7 +19,7 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::lighting::Lighting;
 
-const MAPS: CubeMapSettings = CubeMapSettings { count: 4, side: 16, lift: 0.05 };
+const MAPS: CubeMapSettings = CubeMapSettings { count: 4, side: 16, lift: 0.05, most_open: 1.0 };
 
 #[test]
 fn in_a_shining_furnace_all_ways_find_the_same_even_light() {

@@ -8,10 +8,8 @@
 use anyhow::{Context, Result, anyhow};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use rebounce::bake::{BakeSettings, Preset, bake};
-use rebounce::demo::walker;
+use rebounce::bake::{BakeSettings, BakeSolver, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::io::{LoadOptions, PoseOption, load_with};
 use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
 use rebounce::transport::antiradiance::{AntiradianceSettings, Pool, patches_of};
@@ -24,8 +22,11 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
 use std::time::Instant;
 
-/// Poses that are measured.
+/// Places of the figure that are measured, and how far apart they are, metres.
 const POSES: usize = 8;
+const STEP: DVec3 = DVec3::new(0.02, 0.0, 0.1);
+/// Patches of the figure at most, as the page has it.
+const MOST_OF_FIGURE: usize = 128;
 
 fn main() -> Result<()> {
     let (mut scenes, mut bins, mut elements, mut steps) = (Vec::new(), 128, 18_000, 8u32);
@@ -136,7 +137,10 @@ fn place(text: &str) -> Result<DVec3> {
 
 /// Patches as the page has them: of the points of a draft, at most so many.
 fn patches_of_draft(scene: &Scene, most: usize) -> Result<Vec<Patch>> {
-    let (baked, _) = bake(scene, &BakeSettings::new(Preset::Draft).normalised(), &())?;
+    let mut settings = BakeSettings { solver: BakeSolver::Radiosity, ..BakeSettings::new(Preset::Draft) };
+    // Of a small scene even the coarsest level has more.
+    settings.place.functions = settings.place.functions.min(8 * most);
+    let (baked, _) = bake(scene, &settings.normalised(), &())?;
     let each = |call: &mut dyn FnMut(SceneTriangle)| {
         for (corners, material) in scene.triangles.iter().zip(&scene.triangle_material) {
             let is_two_sided = scene.materials[*material as usize].double_sided;
@@ -153,7 +157,7 @@ fn patches_of_draft(scene: &Scene, most: usize) -> Result<Vec<Patch>> {
 struct Walk {
     name: String,
     room: Vec<Patch>,
-    /// Patches of the figure by pose.
+    /// Patches of the figure by place.
     poses: Vec<Vec<Patch>>,
     settings: SolverSettings,
 }
@@ -165,14 +169,16 @@ impl Walk {
     fn new(name: &str, at: DVec3, settings: &AntiradianceSettings) -> Result<Self> {
         let scene = rebounce::io::load(name)?;
         let room = patches_of_draft(&scene, settings.patches())?;
-        let pose = |i: usize| -> Result<Vec<Patch>> {
-            let pose = Some(PoseOption { animation: None, time: walker::SECONDS * i as f64 / POSES as f64 });
-            let figure = load_with("builtin:walker", &LoadOptions { pose, ..LoadOptions::default() })?;
+        let figure = rebounce::io::load("builtin:walker")?;
+        let own = patches_of_draft(&figure, MOST_OF_FIGURE)?;
+        let pose = |i: usize| -> Vec<Patch> {
+            let at = at + i as f64 * STEP;
             let shift = (DVec3::from(figure.origin) + at - DVec3::from(scene.origin)).as_vec3();
-            let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
-            Ok(patches_of(&figure, 1, false).into_iter().map(moved).collect())
+            let moved =
+                |patch: &Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..*patch };
+            own.iter().map(moved).collect()
         };
-        let poses = (0..POSES).map(pose).collect::<Result<_>>()?;
+        let poses = (0..POSES).map(pose).collect();
         Ok(Self { name: name.to_owned(), room, poses, settings: settings.solver })
     }
 

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use glam::{Vec2, Vec3};
 use rebounce::bake::{BakeSettings, FixedSolver, Preset, SolveSettings, bake, solve};
+use rebounce::sampling::cube_maps::CubeMapSettings;
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce::transport::wavelet::WaveletSettings;
@@ -123,7 +124,7 @@ pub fn shining(functions: usize) -> Result<BakedScene> {
     scene.materials.iter_mut().for_each(|material| (material.metallic, material.roughness) = (1.0, 0.4));
     let mut settings = settings(functions);
     if let Some(gloss) = &mut settings.gloss {
-        (gloss.cube_maps.count, gloss.cube_maps.side) = (2, 8);
+        gloss.cube_maps = CubeMapSettings { count: 2, side: 8, most_open: 1.0, ..gloss.cube_maps };
     }
     Ok(bake(&scene, &settings, &())?.0)
 }

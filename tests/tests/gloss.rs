@@ -9,6 +9,7 @@ use glam::Vec3;
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
+use rebounce::sampling::cube_maps::CubeMapSettings;
 use rebounce::transport::gloss::{GlossSettings, Transfer};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
@@ -45,6 +46,16 @@ fn metal_block() -> BakedScene {
     let file = bake(&scene, &settings(3000), &()).unwrap().0;
     assert!(!file.cube_maps.is_empty() && file.cube_maps.texels.iter().any(|texel| texel.metal().is_some()));
     BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap()
+}
+
+#[test]
+fn cube_maps_are_of_rooms_and_not_of_the_open() {
+    let scene = rebounce::io::load("builtin:trophy").unwrap();
+    let mut settings = settings(500);
+    assert!(bake(&scene, &settings, &()).unwrap().0.cube_maps.is_empty());
+    let gloss = settings.gloss.as_mut().unwrap();
+    gloss.cube_maps = CubeMapSettings { count: 2, side: 8, most_open: 1.0, ..gloss.cube_maps };
+    assert_eq!(bake(&scene, &settings, &()).unwrap().0.cube_maps.layout.places.len(), 2);
 }
 
 fn sky(rotation_deg: f64) -> Light {

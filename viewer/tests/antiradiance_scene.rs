@@ -187,3 +187,36 @@ fn a_pose_takes_the_light_along() {
     assert!(changed > 0.03 && same < 0.01, "{changed} {same}");
     gpu.check().unwrap();
 }
+
+#[test]
+fn auto_takes_it_while_something_deforms_and_draws_meanwhile() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = crate::rig::deforming_room();
+    scene.reflectance = vec![150; scene.points.len()];
+    let mut ours = renderer(&gpu, &scene);
+    let rest = light(&mut ours, SolverChoice::Auto);
+    assert_eq!(ours.solver_in_use(), "operator");
+    ours.pose(Some(0), 2.0).unwrap();
+    assert!(ours.is_solving() && ours.needs_frame());
+    // Frames are drawn by what was there before, until the links are made.
+    let screen = common::screen(&gpu, 48, 32);
+    let view = screen.create_view(&Default::default());
+    let mut frames = 0;
+    while ours.solver_in_use() == "operator" {
+        frames += 1;
+        ours.draw(&view, screen.format(), screen.width(), screen.height()).unwrap();
+        assert!(ours.is_solving() && frames < 1000, "{frames} frames");
+    }
+    assert_eq!(ours.solver_in_use(), "antiradiance");
+    let posed = light(&mut ours, SolverChoice::Auto);
+    let asked = light(&mut ours, SolverChoice::Antiradiance);
+    let [auto, moved] = [&asked, &rest].map(|it| apart(&posed, it));
+    println!("{frames} frames; auto {auto} from antiradiance, {moved} from rest");
+    assert!(auto < 1e-3 && moved > 0.03, "{auto} {moved}");
+    ours.set_solver(SolverChoice::Auto);
+    ours.pose(None, 0.0).unwrap();
+    assert_eq!(ours.solver_in_use(), "operator");
+    let again = light(&mut ours, SolverChoice::Auto);
+    assert!(apart(&again, &rest) < 1e-3, "{}", apart(&again, &rest));
+    gpu.check().unwrap();
+}

@@ -10,6 +10,7 @@ use crate::paths::{Places, check_paths};
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, budget};
 use rebounce::io::{Files, shot};
+use rebounce::sampling::cube_maps::CubeMapSettings;
 use rebounce::scene::Scene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
@@ -249,7 +250,8 @@ impl BakeArgs {
             gloss.transfer = transfer.into();
         }
         if let (Some(gloss), Some((count, side))) = (&mut s.gloss, self.cube_maps) {
-            (gloss.cube_maps.count, gloss.cube_maps.side) = (count, side);
+            // Who names them has them, in the open too.
+            gloss.cube_maps = CubeMapSettings { count, side, most_open: 1.0, ..gloss.cube_maps };
         }
         if let (Some(gloss), Some((metals, others))) = (&mut s.gloss, self.gloss_roughness) {
             gloss.metals = metals;

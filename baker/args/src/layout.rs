@@ -42,6 +42,7 @@ pub enum SolverName {
     /// Links between all parts of the scene: lights move at once, things stand still
     Operator,
     /// Points alone, in a small file baked in seconds: things move, and light finds its way anew within seconds
+    #[value(alias = "antiradiance")]
     Radiosity,
 }
 

@@ -25,6 +25,8 @@ pub struct Bins {
     pub starts: Vec<u32>,
     /// Direction of the middle of each bin, unit length.
     pub directions: Vec<Vec3>,
+    /// Ring of each bin.
+    ring_of: Vec<u8>,
 }
 
 impl Bins {
@@ -50,16 +52,18 @@ impl Bins {
         starts.extend(ends[..rings - 1].iter().rev().map(|end| (count - end) as u32));
         starts.push(count as u32);
         let mut directions = Vec::with_capacity(count);
-        for ring in starts.windows(2) {
+        let mut ring_of = Vec::with_capacity(count);
+        for (number, ring) in (0..).zip(starts.windows(2)) {
             let y = 1.0 - (ring[0] + ring[1]) as f32 / count as f32;
             let across = (1.0 - y * y).max(0.0).sqrt();
             let cells = ring[1] - ring[0];
+            ring_of.resize(ring[1] as usize, number);
             for cell in 0..cells {
                 let (sine, cosine) = (TAU * (cell as f32 + 0.5) / cells as f32).sine_cosine();
                 directions.push(Vec3::new(across * cosine, y, across * sine).normalize_or_zero());
             }
         }
-        Self { starts, directions }
+        Self { starts, directions, ring_of }
     }
 
     /// Number of bins.
@@ -81,20 +85,46 @@ impl Bins {
     /// The bin of a unit direction.
     pub fn bin_of(&self, direction: Vec3) -> usize {
         let count = self.count();
+        // Areas above are numbers of bins, and rings begin at whole ones.
         let above = 0.5 * (1.0 - direction.y) * count as f32;
-        let ring = self.starts.partition_point(|start| *start as f32 <= above);
-        let ring = ring.clamp(1, self.starts.len() - 1);
-        let (first, end) = (self.starts[ring - 1] as usize, self.starts[ring] as usize);
-        let turn = direction.z.arc_tangent2(direction.x) / TAU;
-        let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+        let ring = self.ring_of[(above as usize).min(count - 1)] as usize;
+        let (first, end) = (self.starts[ring] as usize, self.starts[ring + 1] as usize);
+        let turn = turn(direction.x, direction.z);
         first + ((turn * (end - first) as f32) as usize).min(end - first - 1)
     }
+}
+
+/// Angle of a direction in the plane, in turns from x on, 0 to 1: a polynomial for an eighth of it (Abramowitz and Stegun 4.4.47,
+/// within 1e-5 radians). It is exact along the axes, where bins of all rings begin.
+fn turn(x: f32, z: f32) -> f32 {
+    let (wide, narrow) = (x.abs().max(z.abs()), x.abs().min(z.abs()));
+    let slope = narrow / wide.max(f32::MIN_POSITIVE);
+    let square = slope * slope;
+    let even = ((0.020_835_1 * square - 0.085_133) * square + 0.180_141) * square - 0.330_299_5;
+    let eighth = slope * (even * square + 0.999_866) / TAU;
+    let quarter = if z.abs() > x.abs() { 0.25 - eighth } else { eighth };
+    let half = if x < 0.0 { 0.5 - quarter } else { quarter };
+    if z < 0.0 { 1.0 - half } else { half }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random::Stream;
+
+    #[test]
+    fn turns_are_those_of_the_arc_tangent() {
+        let mut stream = Stream::new(1, 3);
+        for _ in 0..10_000 {
+            let way = stream.sphere();
+            let exact = way.z.arc_tangent2(way.x) / TAU;
+            let exact = if exact < 0.0 { exact + 1.0 } else { exact };
+            let off = (turn(way.x, way.z) - exact).abs();
+            assert!(off.min(1.0 - off) < 3e-6, "{way}: {off}");
+        }
+        let axes = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+        assert_eq!(axes.map(|(x, z)| turn(x, z)), [0.0, 0.25, 0.5, 0.75]);
+    }
 
     #[test]
     fn bins_have_equal_areas_and_their_middles_within() {

@@ -81,6 +81,8 @@ pub struct Senders {
     samples: Samples,
     /// By patch: see [`normalisation`].
     pub normalisations: Vec<f32>,
+    /// By element and bin, one over the cosine that its intensity has; 1 of what is not flat.
+    corrections: Vec<f32>,
     /// Index of a patch of each element.
     first_patch: Vec<u32>,
 }
@@ -95,7 +97,22 @@ impl Senders {
             let first = element.first as usize;
             first_patch[i] = if element.is_patch() { element.first } else { first_patch[first] };
         }
-        Self { samples, normalisations, first_patch }
+        let corrections = vec![1.0; hierarchy.elements.len() * bins.count()];
+        let mut out = Self { samples, normalisations, corrections, first_patch };
+        (0..hierarchy.elements.len()).for_each(|i| out.correct(&hierarchy.elements[i], bins, i));
+        out
+    }
+
+    fn correct(&mut self, element: &Element, bins: &Bins, i: usize) {
+        let row = &mut self.corrections[i * bins.count()..][..bins.count()];
+        if !element.is_flat() {
+            return row.fill(1.0);
+        }
+        let normalisation = self.normalisations[self.first_patch[i] as usize];
+        for (out, way) in row.iter_mut().zip(&bins.directions) {
+            let mean = BinCosines::new(element.normal.dot(*way), bins.sine()).both();
+            *out = 1.0 / (normalisation * mean).max(GRAZING);
+        }
     }
 
     /// Computes them anew for elements that have moved.
@@ -108,6 +125,7 @@ impl Senders {
                 self.normalisations[patch] = normalisation(bins, patches[patch].normal);
             }
         }
+        moved.iter().map(|i| *i as usize).for_each(|i| self.correct(&hierarchy.elements[i], bins, i));
     }
 }
 
@@ -191,9 +209,8 @@ impl Exchange<'_> {
         if !from.is_flat() {
             return Some((1.0, 1.0));
         }
-        let normalisation = self.senders.normalisations[self.senders.first_patch[sender] as usize];
         let cosine = from.normal.dot(direction).abs();
-        let mean = BinCosines::new(from.normal.dot(self.bins.directions[bin]), self.bins.sine()).both();
-        (cosine > GRAZING).then(|| (cosine, cosine / (normalisation * mean).max(GRAZING)))
+        let correction = self.senders.corrections[sender * self.bins.count() + bin];
+        (cosine > GRAZING).then_some((cosine, cosine * correction))
     }
 }

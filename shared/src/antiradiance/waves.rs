@@ -40,6 +40,7 @@ impl Waves {
         turns.waves()
     }
 
+    /// Threads of a group take as long as the longest of them: items of a wave are in the order of their links.
     fn of_turns(turns: &[Turn]) -> Self {
         let waves = turns.iter().map(|turn| turn.wave).max().unwrap_or(0) as usize;
         let mut starts = vec![0u32; waves + 1];
@@ -49,13 +50,16 @@ impl Waves {
         }
         // Waves count from 1: that of a number begins where the one before ends.
         let mut next = starts.clone();
-        let mut items = vec![0; turns.len()];
+        let mut items = vec![(0, 0); turns.len()];
         for turn in turns {
             let at = &mut next[turn.wave as usize - 1];
-            items[*at as usize] = turn.item;
+            items[*at as usize] = (u32::MAX - turn.links, turn.item);
             *at += 1;
         }
-        Self { starts, items }
+        for wave in starts.windows(2) {
+            items[wave[0] as usize..wave[1] as usize].sort_unstable();
+        }
+        Self { starts, items: items.iter().map(|(_, item)| *item).collect() }
     }
 
     /// Number of waves.
@@ -90,6 +94,8 @@ impl Turns {
 struct Turn {
     wave: u32,
     item: u32,
+    /// Number of links of the item.
+    links: u32,
 }
 
 /// Turns of the elements in a bin.
@@ -142,7 +148,7 @@ impl<'a> BinTurns<'a> {
             }
             let wave = last + 1;
             self.received[own] = wave;
-            out.push(Turn { wave, item: cell as u32 });
+            out.push(Turn { wave, item: cell as u32, links: self.cells.of(cell).len() as u32 });
             for sender in senders.filter(|sender| self.left[*sender] == 0) {
                 self.read[sender] = self.read[sender].max(wave);
             }
@@ -165,7 +171,7 @@ impl<'a> BinTurns<'a> {
             let children = element.children().map(|child| self.left[child]);
             let wave = children.fold(self.read[own], u32::max) + 1;
             self.left[own] = wave;
-            out.push(Turn { wave, item: (own * self.bins + self.bin) as u32 | PULL });
+            out.push(Turn { wave, item: (own * self.bins + self.bin) as u32 | PULL, links: 0 });
             cluster = element.parent;
         }
     }

@@ -404,8 +404,6 @@ impl Renderer {
     pub fn relight(&mut self) -> bool {
         let Some(scene) = self.scene.clone() else { return false };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        #[cfg(feature = "antiradiance")]
-        self.prepare_antiradiance(&scene, moving::PIECE);
         self.update_lights(&mut encoder, &scene, None, Mode::All);
         self.gpu.queue.submit([encoder.finish()]);
         std::mem::take(&mut self.dirty.display)

@@ -22,12 +22,27 @@ pub struct CubeMapSettings {
     pub side: usize,
     /// Distance of maps from the metals, of the metals' size.
     pub lift: f32,
+    /// A bake keeps none where more of their directions than this share see no surface: light comes to metals in the open from afar, and
+    /// what hides it close by is finer than a few maps.
+    pub most_open: f32,
 }
 
 impl Default for CubeMapSettings {
     fn default() -> Self {
-        Self { count: 16, side: 32, lift: 0.05 }
+        Self { count: 16, side: 32, lift: 0.05, most_open: 0.3 }
     }
+}
+
+/// Share of the directions of all maps that see no surface; 1 without maps.
+pub fn openness(maps: &CubeMaps) -> f32 {
+    let cube = Cube { side: maps.layout.side as usize };
+    let (mut open, mut all) = (0.0, 0.0);
+    for (number, texel) in maps.texels.iter().enumerate() {
+        let angle = cube.solid_angle(cube.direction(number % cube.texels()));
+        all += angle;
+        open += if *texel == CubeTexel::default() { angle } else { 0.0 };
+    }
+    if all > 0.0 { open / all } else { 1.0 }
 }
 
 /// Makes cube maps over the metals of a file; empty without metals that have glossy transfer.

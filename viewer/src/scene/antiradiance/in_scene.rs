@@ -29,9 +29,10 @@ use std::collections::{HashMap, HashSet};
 use wgpu::BufferUsages;
 
 /// Greatest number of patches: of static surfaces, and of moving ones.
-const MOST: [usize; 2] = [4_096, 256];
-/// Steps of a frame.
+const MOST: [usize; 2] = [4_096, 128];
+/// Steps of a frame, and those of a software adapter.
 const STEPS: u32 = 4;
+const SOFTWARE_STEPS: u32 = 1;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
 const ENOUGH: u32 = 20;
 /// No patch.
@@ -312,7 +313,7 @@ impl SceneAntiradiance {
             // Without links there is nothing to wait for.
             self.link(gpu, pipelines, (moving, rig)).inspect_err(|_| self.left.set(0))?;
         }
-        let steps = self.left.get().min(STEPS);
+        let steps = self.left.get().min(if gpu.software { SOFTWARE_STEPS } else { STEPS });
         self.left.set(self.left.get() - steps);
         if self.beside.is_none() {
             self.take_light(gpu, encoder, pipelines, lamps);
