@@ -11,6 +11,8 @@
 //! * `operator`: the baked operator, direct light with the figure's shadow;
 //! * `antiradiance`: room and figure by antiradiance;
 //! * `difference`: the operator's light, and the difference of two antiradiance solutions, with the figure and without;
+//! * `in the page`: an operator baked with the figure at rest, and the difference of antiradiance with the figure where it is and
+//!   at rest;
 //! * `first bounces`: the operator's light, and what the figure changes of one transport of that light, by antiradiance; what
 //!   that changes in turn goes through the operator.
 
@@ -37,6 +39,8 @@ use rebounce_shared::random::Stream;
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
 
+/// Columns of the table.
+const WAYS: [&str; 5] = ["operator", "antiradiance", "difference", "in the page", "first bounces"];
 /// Patches where the light is compared, and paths from each for one of two estimates.
 const PLACES: usize = 400;
 const PATHS: u64 = 512;
@@ -49,6 +53,18 @@ const SWEEPS: u32 = 6;
 /// How far a patch or a point has a weight, in sides of a square of its mean area.
 const REACH: f32 = 2.0;
 
+/// The room with the figure at rest.
+struct AtRest {
+    baked: BakedScene,
+    /// Patches of the figure.
+    figure: Vec<Patch>,
+    /// By point with direct light, the patch of the figure that it is nearest to, if it is the figure's.
+    patch_of: Vec<Option<usize>>,
+    /// Points of the room of the finest level, and their numbers.
+    points: Vec<AreaPoint>,
+    numbers: Vec<usize>,
+}
+
 /// An empty room with its operator.
 struct Room {
     scene: Scene,
@@ -56,6 +72,7 @@ struct Room {
     patches: Vec<Patch>,
     points: Vec<AreaPoint>,
     settings: SolverSettings,
+    at_rest: AtRest,
 }
 
 fn main() -> Result<()> {
@@ -82,7 +99,9 @@ fn main() -> Result<()> {
             _ => anyhow::bail!("there are --poses, --bins, --elements, --functions, --preset and --step"),
         }
     }
-    let room = Room::new(bins, elements, functions, preset)?;
+    let mut bake_settings = BakeSettings::new(preset);
+    bake_settings.place.functions = functions;
+    let room = Room::new(bins, elements, &bake_settings.normalised())?;
     if let Some(step) = step {
         return room.changes(poses, step);
     }
@@ -90,17 +109,24 @@ fn main() -> Result<()> {
         "Relative RMS of the irradiance at {PLACES} patches of the room, and the bias; the same of those within\n\
          {NEAR} m of the figure.\n"
     );
-    println!("| seconds | patches | operator | antiradiance | difference | first bounces |");
-    println!("|---|---|---|---|---|---|");
+    println!("| seconds | patches | {} |\n|---|---|{}", WAYS.join(" | "), "---|".repeat(WAYS.len()));
+    let mut means = vec![[0.0; 4]; WAYS.len()];
     for pose in 0..poses {
         let time = walker::SECONDS * (pose as f64 + 0.5) / poses as f64;
-        println!("{}", room.row(time)?);
+        let (patches, found) = room.row(time)?;
+        let cells: Vec<String> = found.iter().map(cell).collect();
+        println!("| {time:.2} | {patches} | {} |", cells.join(" | "));
+        for (sum, own) in means.iter_mut().flatten().zip(found.iter().flatten()) {
+            *sum += own / poses as f32;
+        }
     }
+    let cells: Vec<String> = means.iter().map(cell).collect();
+    println!("| mean | | {} |", cells.join(" | "));
     Ok(())
 }
 
 impl Room {
-    fn new(bins: usize, elements: usize, functions: usize, preset: Preset) -> Result<Self> {
+    fn new(bins: usize, elements: usize, bake_settings: &BakeSettings) -> Result<Self> {
         let mut scene = rebounce::io::load("builtin:cornell-box")?;
         // Two triangles a quad: the two blocks are last.
         let walls = scene.triangle_material.len() - 20;
@@ -109,20 +135,21 @@ impl Room {
         if !scene.corner_colors.is_empty() {
             scene.corner_colors.truncate(walls);
         }
-        let mut settings = BakeSettings::new(preset);
-        settings.place.functions = functions;
-        let (baked, _) = bake(&scene, &settings.normalised(), &())?;
+        let (baked, _) = bake(&scene, bake_settings, &())?;
         let finest = baked.display().map(|i| &baked.points[i]);
         let points = finest
             .map(|point| AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 })
             .collect();
         let patches = patches_of(&scene, elements, false);
         let settings = SolverSettings { bins, ..SolverSettings::default() };
-        Ok(Self { scene, baked, patches, points, settings })
+        let (whole, figure) = with_figure(&scene, None)?;
+        let at_rest = AtRest::new(&whole, figure, bake_settings)?;
+        Ok(Self { scene, baked, patches, points, settings, at_rest })
     }
 
-    fn row(&self, time: f64) -> Result<String> {
-        let (whole, figure) = self.with_figure(time)?;
+    /// Number of patches, and by way the error and the bias of all places, and of those near the figure.
+    fn row(&self, time: f64) -> Result<(usize, Vec<[f32; 4]>)> {
+        let (whole, figure) = with_figure(&self.scene, Some(time))?;
         let surfaces = TriangleSurfaces::simplified(&whole);
         let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
         let count = self.patches.len();
@@ -144,6 +171,7 @@ impl Room {
         let change: Vec<Vec3> = (0..count).map(|i| with[i] - without[i]).collect();
         let change = self.smooth(&change);
         let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + change[i]).collect();
+        let in_page = self.in_page((&surfaces, &lamps), &direct, &with[..count]);
         let with = self.smooth(&with[..count]);
         let first = self.first_bounces(&direct, &by_operator, [&alone, &both]);
         let away = |i: usize| {
@@ -163,12 +191,38 @@ impl Room {
             })
             .collect();
         let near: Vec<Compared> = all.iter().copied().filter(|place| away(place.patch) < NEAR).collect();
-        let columns = [&by_operator, &with, &difference, &first].map(|found| {
+        let columns = [&by_operator, &with, &difference, &in_page, &first].map(|found| {
             let [[error, bias], [error_near, bias_near]] =
                 [&all, &near].map(|places| compared(places, found));
-            format!("{error:.3}, {bias:+.3}; {error_near:.3}, {bias_near:+.3}")
+            [error, bias, error_near, bias_near]
         });
-        Ok(format!("| {time:.2} | {} | {} |", patches.len(), columns.join(" | ")))
+        Ok((patches.len(), columns.to_vec()))
+    }
+
+    /// The light that the page shows: of the operator, which has the figure at rest, and what antiradiance changes of it. `with` is that
+    /// of antiradiance with the figure where it is.
+    fn in_page(
+        &self,
+        (surfaces, lamps): (&TriangleSurfaces, &[LightSource]),
+        direct: &[Vec3],
+        with: &[Vec3],
+    ) -> Vec<Vec3> {
+        let AtRest { baked, figure, patch_of, points, numbers } = &self.at_rest;
+        let count = self.patches.len();
+        let lit = baked.points[..baked.direct_count()].par_iter().zip(patch_of);
+        let at_points = lit.map(|(point, patch)| match patch {
+            Some(patch) => direct[count + patch],
+            None => at_footprint(surfaces, lamps, point),
+        });
+        let values = relight::relight(baked, at_points.collect());
+        let values: Vec<Vec3> = numbers.iter().map(|i| values[*i]).collect();
+        let by_operator = at(&self.patches, points, &values);
+        let patches = [&self.patches[..], figure].concat();
+        let resting = AntiradianceSolver::new(&patches, &self.settings, &Pool);
+        let rest = resting.solve(&resting.even_light(direct.to_vec()), &self.settings, &Pool, &mut ()).0;
+        let change: Vec<Vec3> = (0..count).map(|i| with[i] - rest[i]).collect();
+        let change = self.smooth(&change);
+        (0..count).map(|i| by_operator[i] + change[i]).collect()
     }
 
     /// Prints how much the light of poses changes within `step` seconds.
@@ -179,7 +233,7 @@ impl Room {
         println!("| seconds | antiradiance | path tracing | ratio |\n|---|---|---|---|");
         // As in the page, elements stay and links of the figure are made anew.
         let mut all = self.patches.clone();
-        all.extend(self.with_figure(0.0)?.1);
+        all.extend(with_figure(&self.scene, Some(0.0))?.1);
         let mut elements = MovingElements::new(all, self.patches.len(), self.settings, &Pool);
         for pose in 0..poses {
             let time = (walker::SECONDS - step) * (pose as f64 + 0.5) / poses as f64;
@@ -201,7 +255,7 @@ impl Room {
 
     /// Light at the patches that are looked at, by antiradiance and by two estimates of path tracing.
     fn moment(&self, time: f64, elements: &mut MovingElements) -> Result<(Vec<Vec3>, [Vec<Vec3>; 2])> {
-        let (whole, figure) = self.with_figure(time)?;
+        let (whole, figure) = with_figure(&self.scene, Some(time))?;
         let surfaces = TriangleSurfaces::simplified(&whole);
         let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
         let count = self.patches.len();
@@ -226,20 +280,6 @@ impl Room {
         (0..PLACES).map(|_| stream.bits() as usize % self.patches.len()).collect()
     }
 
-    /// The room with the figure, and the figure's patches in the room's local space.
-    fn with_figure(&self, time: f64) -> Result<(Scene, Vec<Patch>)> {
-        let pose = Some(rebounce::io::PoseOption { animation: None, time });
-        let options = LoadOptions { pose, ..LoadOptions::default() };
-        let figure = rebounce::io::load_with("builtin:walker", &options)?;
-        let at = DVec3::new(0.5, 0.0, -4.9);
-        let shift = (DVec3::from(figure.origin) + at - DVec3::from(self.scene.origin)).as_vec3();
-        let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
-        let patches = patches_of(&figure, 1, false).into_iter().map(moved).collect();
-        let mut whole = self.scene.clone();
-        whole.add(figure, at)?;
-        Ok((whole, patches))
-    }
-
     /// Irradiance of the room's patches by the operator.
     fn operator(&self, surfaces: &TriangleSurfaces, lamps: &[LightSource]) -> Vec<Vec3> {
         let points = &self.baked.points[..self.baked.direct_count()];
@@ -249,11 +289,7 @@ impl Room {
 
     /// Values of points at the patches of the room.
     fn at_patches(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let area: f32 = self.patches.iter().map(Patch::area).sum();
-        let near = Near::new(&self.points, REACH * (area / self.points.len() as f32).sqrt());
-        let finest = &values[self.baked.display()];
-        let at = |patch: &Patch| near.mean(patch.position(), patch.normal, finest).unwrap_or(Vec3::ZERO);
-        self.patches.par_iter().map(at).collect()
+        at(&self.patches, &self.points, &values[self.baked.display()])
     }
 
     /// Means of the values of near patches of the room, at its patches.
@@ -291,6 +327,56 @@ impl Room {
         let change = self.smooth(&change);
         (0..count).map(|i| by_operator[i] + change[i] + bounced[i]).collect()
     }
+}
+
+impl AtRest {
+    fn new(whole: &Scene, figure: Vec<Patch>, settings: &BakeSettings) -> Result<Self> {
+        let (baked, _) = bake(whole, settings, &())?;
+        // The room is the group without a number; what deforms has one of its own.
+        let is_figure = |i: usize| baked.group_of(i) > 0;
+        let nearest = |i: usize| {
+            let place = baked.points[i].position();
+            let distance = |k: &usize| figure[*k].position().distance_squared(place);
+            (0..figure.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        };
+        let patch_of =
+            (0..baked.direct_count()).map(|i| is_figure(i).then(|| nearest(i)).flatten()).collect();
+        let numbers: Vec<usize> = baked.display().filter(|i| !is_figure(*i)).collect();
+        anyhow::ensure!(numbers.len() < baked.display().len(), "the figure has no points");
+        let point = |i: &usize| {
+            let point = &baked.points[*i];
+            AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 }
+        };
+        let points = numbers.iter().map(point).collect();
+        Ok(Self { baked, figure, patch_of, points, numbers })
+    }
+}
+
+/// A room with the figure at a time of its walk, or at rest, and the figure's patches in the room's local space.
+fn with_figure(scene: &Scene, time: Option<f64>) -> Result<(Scene, Vec<Patch>)> {
+    let pose = time.map(|time| rebounce::io::PoseOption { animation: None, time });
+    let options = LoadOptions { pose, ..LoadOptions::default() };
+    let figure = rebounce::io::load_with("builtin:walker", &options)?;
+    let at = DVec3::new(0.5, 0.0, -4.9);
+    let shift = (DVec3::from(figure.origin) + at - DVec3::from(scene.origin)).as_vec3();
+    let moved = |patch: Patch| Patch { corners: patch.corners.map(|corner| corner + shift), ..patch };
+    let patches = patches_of(&figure, 1, false).into_iter().map(moved).collect();
+    let mut whole = scene.clone();
+    whole.add(figure, at)?;
+    Ok((whole, patches))
+}
+
+/// Values of points at patches of the room.
+fn at(patches: &[Patch], points: &[AreaPoint], values: &[Vec3]) -> Vec<Vec3> {
+    let area: f32 = patches.iter().map(Patch::area).sum();
+    let near = Near::new(points, REACH * (area / points.len() as f32).sqrt());
+    let at = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
+    patches.par_iter().map(at).collect()
+}
+
+/// Error and bias of all places, and of those near the figure.
+fn cell([error, bias, error_near, bias_near]: &[f32; 4]) -> String {
+    format!("{error:.3}, {bias:+.3} ({error_near:.3}, {bias_near:+.3})")
 }
 
 /// A patch where the light is compared, with both estimates of it.

@@ -10,7 +10,8 @@ GPUAdapter.prototype.requestDevice = async function (...parameters) {
 await import("/dist/rebounce-viewer.js");
 
 const viewer = document.querySelector("rebounce-viewer");
-const { camera, lights } = await (await fetch("/shot.json")).json();
+const shot = await (await fetch("/shot.json")).json();
+const { camera, lights } = shot;
 viewer.shot = { camera, lights };
 while (!viewer.loaded) {
   const message = viewer.shadowRoot.querySelector("[role=alert]").textContent;
@@ -97,6 +98,42 @@ window.bench = {
       if (round > 0) [turned, lamp].forEach((time, i) => times[["sky", "lamp"][i]].push(time));
     }
     return times;
+  },
+  /** Frames of an animation, in turns by the operator alone and with what antiradiance adds: milliseconds, and what that took. The
+   * first of each is for pipelines and buffers. */
+  async walk(rounds) {
+    viewer.shot = shot;
+    const times = { operator: [], antiradiance: [] };
+    for (let round = 0; round <= rounds; round += 1) {
+      for (const solver of Object.keys(times)) {
+        viewer.solver = solver;
+        viewer.currentTime = shot.time + round / 4;
+        await rest();
+        const time = await timed(() => (viewer.currentTime = shot.time + round / 4 + 1 / 30));
+        if (round > 0) times[solver].push(time);
+      }
+    }
+    return { times, stats: viewer.stats() };
+  },
+  /** Steps of antiradiance after the lamps have changed: seconds until its links are there, and the milliseconds of its passes in a
+   * frame. */
+  async solve(rounds) {
+    await rest();
+    const start = performance.now();
+    viewer.solver = "antiradiance";
+    while (viewer.stats().solver !== "antiradiance") await new Promise(requestAnimationFrame);
+    const linked = (performance.now() - start) / 1000;
+    await rest();
+    const frames = [];
+    for (let round = 0; round <= rounds; round += 1) {
+      const before = viewer.stats().antiradiance.iterations;
+      await timed(() => (viewer.lights = viewer.lights.map((light) => ({ ...light, intensity: light.intensity * 1.1 }))));
+      const { antiradiance, milliseconds } = viewer.stats();
+      const steps = antiradiance.iterations - before;
+      await rest();
+      if (round > 0) frames.push({ steps, milliseconds: viewer.stats().milliseconds.antiradiance ?? milliseconds.antiradiance });
+    }
+    return { linked, frames, stats: viewer.stats() };
   },
   stats: () => viewer.stats(),
 };

@@ -2,6 +2,7 @@
 //!
 //! Scenes and settings are after Figs. 5 and 12 to 14 of Dachsbacher et al. 2007.
 
+mod page;
 mod plot;
 mod record;
 
@@ -29,7 +30,8 @@ const STEPS: &str = "100";
 const ELEMENTS_OF_STEPS: usize = 6_000;
 const BINS_OF_STEPS: usize = 128;
 
-/// Measures and writes docs/reports/antiradiance.md with its plots. `--spp N`: samples a pixel of each of both references.
+/// Measures and writes docs/reports/antiradiance.md with its plots. `--spp N`: samples a pixel of each of both references. `--page`
+/// measures the page instead.
 ///
 /// # Errors
 /// If a step fails.
@@ -37,7 +39,8 @@ pub fn run(args: &[String]) -> Result<()> {
     let spp = match args {
         [] => "512",
         [option, spp] if option == "--spp" => spp,
-        _ => bail!("there is --spp N, samples a pixel of each reference"),
+        [option] if option == "--page" => return page::run(),
+        _ => bail!("there are --spp N, samples a pixel of each reference, and --page"),
     };
     process::run(process::cargo().args([
         "build",

@@ -14,7 +14,7 @@ use crate::job::reporter::Quiet;
 use crate::job::stage::Stage;
 use crate::job::watch::{Stopped, Uncounted, Watch};
 use crate::light::direct::at_footprint;
-use crate::sampling::cube_maps::{cube_maps, openness};
+use crate::sampling::cube_maps::{cube_maps, open_share};
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
@@ -179,7 +179,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             let stands = file.groups.nodes.is_empty();
             if cfg!(feature = "gloss") && stands && !file.gloss.links.is_empty() {
                 let maps = cube_maps(self.surfaces, &file, &gloss.cube_maps);
-                if openness(&maps) <= gloss.cube_maps.most_open {
+                if open_share(&maps) <= gloss.cube_maps.most_open {
                     file.cube_maps = maps;
                 }
                 report.gloss.cube_maps = file.cube_maps.layout.places.len() as u64;

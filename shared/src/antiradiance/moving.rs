@@ -8,6 +8,7 @@
 mod linking;
 
 pub use linking::Linking;
+use linking::LinksInParts;
 
 use super::bins::Bins;
 use super::cells::Cells;
@@ -49,6 +50,8 @@ pub struct MovingElements {
     between_still: (Transfers, usize),
     /// Transfers from and to elements that move, and the number of their links.
     of_moving: (Transfers, usize),
+    /// Links of what moves, on their way.
+    following: Option<LinksInParts>,
     senders: Senders,
     lobes: Lobes,
 }
@@ -70,7 +73,20 @@ impl MovingElements {
         let lobes = Lobes::new(&patches, &bins, &senders.normalisations);
         let parts = parts(&hierarchy, still, patches.len());
         let (between_still, of_moving) = Default::default();
-        Self { patches, still, settings, bins, hierarchy, parts, between_still, of_moving, senders, lobes }
+        let following = None;
+        Self {
+            patches,
+            still,
+            settings,
+            bins,
+            hierarchy,
+            parts,
+            between_still,
+            of_moving,
+            following,
+            senders,
+            lobes,
+        }
     }
 
     /// Pairs of elements that links between what stands are refined from.
@@ -84,12 +100,17 @@ impl MovingElements {
 
     /// Puts the patches that move elsewhere, in their order, and makes their links anew.
     pub fn follow(&mut self, moved: &[Patch], workers: &dyn Workers) {
+        self.place(moved);
+        self.following = None;
+        self.link(workers);
+    }
+
+    fn place(&mut self, moved: &[Patch]) {
         self.patches[self.still..].copy_from_slice(moved);
         let Self { patches, still, bins, hierarchy, parts: [_, parts], senders, lobes, .. } = self;
         hierarchy.follow(patches, parts);
         senders.follow(patches, hierarchy, bins, parts);
         lobes.follow(patches, bins, &senders.normalisations, *still);
-        self.link(workers);
     }
 
     /// Patches: static ones first, then moving ones.
@@ -162,13 +183,17 @@ impl MovingElements {
 
     /// Makes the links of what moves.
     fn link(&mut self, workers: &dyn Workers) {
-        let open = match (self.still, self.patches.len()) {
+        self.of_moving = self.transfers(self.of_what_moves(), workers);
+    }
+
+    /// Pairs of elements that links from and to what moves are refined from.
+    fn of_what_moves(&self) -> Vec<[usize; 2]> {
+        match (self.still, self.patches.len()) {
             (0, 0) => Vec::new(),
             (0, _) => vec![[0, 0]],
             (still, all) if still == all => Vec::new(),
             _ => vec![[MOVING, MOVING], [STILL, MOVING]],
-        };
-        self.of_moving = self.transfers(open, workers);
+        }
     }
 }
 
@@ -245,10 +270,14 @@ mod tests {
     #[test]
     fn links_that_follow_are_those_of_elements_made_there() {
         let (patches, still) = balls(Vec3::ZERO);
-        let mut followed = MovingElements::new(patches, still, settings(), &Serial);
+        let mut followed = MovingElements::new(patches.clone(), still, settings(), &Serial);
         let before = light(&followed);
         let (there, _) = balls(Vec3::new(0.3, -0.4, 0.1));
         followed.follow(&there[still..], &Serial);
+        let mut slowly = MovingElements::new(patches, still, settings(), &Serial);
+        slowly.begin_to_follow(&there[still..]);
+        let pieces = 1 + (0..).take_while(|_| !slowly.advance(100)).count();
+        assert!(pieces > 10 && !slowly.is_following() && slowly.of_moving == followed.of_moving);
         let anew = MovingElements::new(there, still, settings(), &Serial);
         let (found, expected) = (light(&followed), light(&anew));
         let solver = anew.solver();

@@ -29,6 +29,9 @@ const FIRST_SLICE: u32 = 256;
 const SLICES: std::ops::RangeInclusive<u32> = 16..=1 << 16;
 /// Receivers of a slice of a solution that nobody watches.
 const WHOLE: u32 = 1 << 13;
+/// Links of what moves that a frame makes.
+#[cfg(feature = "antiradiance")]
+const LINKS: usize = 4_000;
 /// Work on the first links of antiradiance in a frame.
 #[cfg(feature = "antiradiance")]
 pub(super) const PIECE: usize = 8_000;
@@ -173,7 +176,9 @@ impl Renderer {
         let stamps = timing.and_then(|timing| timing.stamps(Pass::Antiradiance));
         let both = [true, false].map(|begins| stamps.map(|stamps| stamps.compute(begins, !begins)));
         let from = (moving, scene.rig.as_ref());
-        let _ = own.solve(&self.gpu, encoder, pipelines, from, &lamps, both);
+        // Frames of software adapters are long.
+        let work = if timed && !self.gpu.software { LINKS } else { usize::MAX };
+        let _ = own.solve(&self.gpu, encoder, pipelines, from, (&lamps, work), both);
         if !own.is_beside_operator() {
             scene.relight.show_sources(encoder);
         }

@@ -34,7 +34,7 @@ impl Default for CubeMapSettings {
 }
 
 /// Share of the directions of all maps that see no surface; 1 without maps.
-pub fn openness(maps: &CubeMaps) -> f32 {
+pub fn open_share(maps: &CubeMaps) -> f32 {
     let cube = Cube { side: maps.layout.side as usize };
     let (mut open, mut all) = (0.0, 0.0);
     for (number, texel) in maps.texels.iter().enumerate() {

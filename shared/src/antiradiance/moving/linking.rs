@@ -1,4 +1,4 @@
-//! Links between what stands, piece by piece: a page goes on drawing meanwhile.
+//! Links piece by piece: a page goes on drawing meanwhile.
 
 use super::super::cells::Cells;
 use super::super::links::{Links, Pairs};
@@ -9,15 +9,16 @@ use super::super::waves::Turns;
 use super::super::workers::Serial;
 use super::{MovingElements, PartTables};
 
-/// Links that form factors are computed of, in the time in which this many pairs are refined.
+/// Pairs that are refined in the time in which the form factors of a link are computed.
 const PAIRS_A_LINK: usize = 16;
 /// Cells that have their turn in that time.
 const CELLS_A_LINK: usize = 4;
 
-/// Elements whose links are on their way.
-pub struct Linking {
-    elements: MovingElements,
+/// Links and form factors between some pairs of elements, on their way.
+pub(super) struct LinksInParts {
     stage: Stage,
+    transfers: Transfers,
+    links: usize,
 }
 
 enum Stage {
@@ -25,6 +26,56 @@ enum Stage {
     Pairs(Pairs),
     /// Form factors by receiver; those of so many are there.
     Transfers(Links, usize),
+}
+
+impl LinksInParts {
+    pub fn new(open: Vec<[usize; 2]>) -> Self {
+        let stage = Stage::Pairs(Pairs { open, found: Vec::new() });
+        Self { stage, transfers: Transfers { offsets: vec![0], transfers: Vec::new() }, links: 0 }
+    }
+
+    /// Goes on for the time of form factors of about `work` links. Returns whether all are there, and the work done.
+    fn advance(&mut self, elements: &MovingElements, work: usize) -> (bool, usize) {
+        let MovingElements { patches, hierarchy, bins, settings, .. } = elements;
+        let count = hierarchy.elements.len();
+        let mut done = 0;
+        while done < work {
+            match &mut self.stage {
+                Stage::Pairs(pairs) => {
+                    let most = (work - done).saturating_mul(PAIRS_A_LINK);
+                    pairs.refine(patches, (hierarchy, bins), settings.width, most);
+                    if !pairs.open.is_empty() {
+                        return (false, work);
+                    }
+                    let links = Links::of_pairs(count, &pairs.found);
+                    self.links = links.count();
+                    self.stage = Stage::Transfers(links, 0);
+                    done += 1;
+                }
+                Stage::Transfers(_, receiver) if *receiver == count => return (true, done),
+                Stage::Transfers(links, receiver) => {
+                    let (exchange, senders) = (elements.exchange(), links.of(*receiver));
+                    let Transfers { offsets, transfers } = &mut self.transfers;
+                    senders.iter().for_each(|sender| exchange.add(*receiver, *sender as usize, transfers));
+                    offsets.push(transfers.len() as u32);
+                    done += 1 + senders.len();
+                    *receiver += 1;
+                }
+            }
+        }
+        (false, done)
+    }
+}
+
+/// Elements whose first links are on their way.
+pub struct Linking {
+    elements: MovingElements,
+    stage: FirstStage,
+}
+
+enum FirstStage {
+    /// Links between what stands.
+    Links(LinksInParts),
     /// Turns of a sweep, by bin.
     Turns(Cells, Turns, usize),
 }
@@ -33,70 +84,68 @@ impl Linking {
     /// Elements of patches of which the first `still` stand.
     pub fn new(patches: Vec<Patch>, still: usize, settings: SolverSettings) -> Self {
         let elements = MovingElements::unlinked(patches, still, settings);
-        let pairs = Pairs { open: elements.within_still(), found: Vec::new() };
-        Self { elements, stage: Stage::Pairs(pairs) }
+        let stage = FirstStage::Links(LinksInParts::new(elements.within_still()));
+        Self { elements, stage }
     }
 
     /// Goes on for the time of form factors of about `work` links. Returns the elements when all links are there, with the tables of
-    /// what stands; else itself.
+    /// what stands.
     ///
     /// # Errors
     /// Itself, which is not done.
     pub fn advance(mut self, work: usize) -> Result<(MovingElements, PartTables), Self> {
         let mut left = work.max(1);
         while left > 0 {
-            let (stage, taken) = match self.stage {
-                Stage::Pairs(pairs) => self.elements.refined(pairs, left),
-                Stage::Transfers(links, next) => self.elements.with_transfers(links, next, left),
-                Stage::Turns(cells, turns, bin) if bin == self.elements.bins.count() => {
-                    self.elements.link(&Serial);
-                    return Ok((self.elements, PartTables { cells, waves: turns.waves() }));
+            let elements = &mut self.elements;
+            match &mut self.stage {
+                FirstStage::Links(links) => {
+                    let (is_done, done) = links.advance(elements, left);
+                    left = left.saturating_sub(done);
+                    if is_done {
+                        elements.between_still = (std::mem::take(&mut links.transfers), links.links);
+                        let transfers = &elements.between_still.0;
+                        let cells = Cells::new(transfers, None, &elements.hierarchy, elements.bins.count());
+                        self.stage = FirstStage::Turns(cells, Turns::default(), 0);
+                    }
                 }
-                Stage::Turns(cells, turns, bin) => self.elements.with_turns(cells, turns, bin),
-            };
-            self.stage = stage;
-            left = left.saturating_sub(taken);
+                FirstStage::Turns(_, turns, bin) if *bin == elements.bins.count() => {
+                    let waves = turns.waves();
+                    elements.link(&Serial);
+                    let FirstStage::Turns(cells, ..) = self.stage else { continue };
+                    return Ok((self.elements, PartTables { cells, waves }));
+                }
+                FirstStage::Turns(cells, turns, bin) => {
+                    turns.add(&elements.parts[0], cells, (&elements.hierarchy, &elements.bins), *bin);
+                    left = left.saturating_sub(1 + elements.parts[0].len() / CELLS_A_LINK);
+                    *bin += 1;
+                }
+            }
         }
         Err(self)
     }
 }
 
 impl MovingElements {
-    /// The next stage of a refinement, and the work that it took.
-    fn refined(&mut self, mut pairs: Pairs, work: usize) -> (Stage, usize) {
-        let Self { patches, hierarchy, bins, settings, .. } = &*self;
-        pairs.refine(patches, (hierarchy, bins), settings.width, work.saturating_mul(PAIRS_A_LINK));
-        if !pairs.open.is_empty() {
-            return (Stage::Pairs(pairs), work);
-        }
-        let links = Links::of_pairs(hierarchy.elements.len(), &pairs.found);
-        self.between_still = (Transfers { offsets: vec![0], transfers: Vec::new() }, links.count());
-        (Stage::Transfers(links, 0), 1)
+    /// Puts the patches that move elsewhere, in their order. Their links are made by [`Self::advance`].
+    pub fn begin_to_follow(&mut self, moved: &[Patch]) {
+        self.place(moved);
+        self.following = Some(LinksInParts::new(self.of_what_moves()));
     }
 
-    fn with_transfers(&mut self, links: Links, mut receiver: usize, work: usize) -> (Stage, usize) {
-        let count = self.hierarchy.elements.len();
-        let mut transfers = std::mem::take(&mut self.between_still.0);
-        let mut taken = 0;
-        while receiver < count && taken < work {
-            let senders = links.of(receiver);
-            senders.iter().for_each(|sender| {
-                self.exchange().add(receiver, *sender as usize, &mut transfers.transfers);
-            });
-            transfers.offsets.push(transfers.transfers.len() as u32);
-            taken += 1 + senders.len();
-            receiver += 1;
-        }
-        self.between_still.0 = transfers;
-        if receiver < count {
-            return (Stage::Transfers(links, receiver), taken);
-        }
-        let cells = Cells::new(&self.between_still.0, None, &self.hierarchy, self.bins.count());
-        (Stage::Turns(cells, Turns::default(), 0), taken)
+    /// Whether links of what moves are on their way.
+    pub fn is_following(&self) -> bool {
+        self.following.is_some()
     }
 
-    fn with_turns(&self, cells: Cells, mut turns: Turns, bin: usize) -> (Stage, usize) {
-        turns.add(&self.parts[0], &cells, (&self.hierarchy, &self.bins), bin);
-        (Stage::Turns(cells, turns, bin + 1), 1 + self.parts[0].len() / CELLS_A_LINK)
+    /// Goes on with them for the time of form factors of about `work` links. Returns whether they are there.
+    pub fn advance(&mut self, work: usize) -> bool {
+        let Some(mut links) = self.following.take() else { return true };
+        let (is_done, _) = links.advance(self, work.max(1));
+        if is_done {
+            self.of_moving = (links.transfers, links.links);
+        } else {
+            self.following = Some(links);
+        }
+        is_done
     }
 }

@@ -296,7 +296,8 @@ impl SceneAntiradiance {
         self.left.get() > 0
     }
 
-    /// Encodes some steps, and shows their light; timestamps are written at the begin of the first pass and the end of the last.
+    /// Encodes some steps, and shows their light; makes some of the links of what has moved, `work` as [`Linking::advance`] has it;
+    /// timestamps are written at the begin of the first pass and the end of the last.
     ///
     /// # Errors
     /// As [`GpuAntiradiance::new`]: what moves may have more links elsewhere.
@@ -306,15 +307,15 @@ impl SceneAntiradiance {
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &AntiradiancePipelines,
         (moving, rig): (&Moving, Option<&GpuRig>),
-        lamps: &Lamps<'_>,
+        (lamps, work): (&Lamps<'_>, usize),
         [begin, end]: [Option<wgpu::ComputePassTimestampWrites<'_>>; 2],
     ) -> Result<(), ViewerError> {
-        if self.is_unlinked.take() {
-            // Without links there is nothing to wait for.
-            self.link(gpu, pipelines, (moving, rig)).inspect_err(|_| self.left.set(0))?;
-        }
+        // Without links there is nothing to wait for.
+        let linked = self.link(gpu, pipelines, (moving, rig), work).inspect_err(|_| self.left.set(0))?;
         let steps = self.left.get().min(if gpu.software { SOFTWARE_STEPS } else { STEPS });
-        self.left.set(self.left.get() - steps);
+        if linked {
+            self.left.set(self.left.get() - steps);
+        }
         if self.beside.is_none() {
             self.take_light(gpu, encoder, pipelines, lamps);
         }
@@ -383,19 +384,29 @@ impl SceneAntiradiance {
         self.dispatch(gpu, &mut pass, kernel, &buffers, &[dispatch]);
     }
 
-    /// Makes the links of what moves where it is now.
+    /// Makes some links of what moves where it is now, or was when they were begun. Returns whether all are there.
     fn link(
         &self,
         gpu: &Gpu,
         pipelines: &AntiradiancePipelines,
         (moving, rig): (&Moving, Option<&GpuRig>),
-    ) -> Result<(), ViewerError> {
-        let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
+        work: usize,
+    ) -> Result<bool, ViewerError> {
         let mut elements = self.elements.borrow_mut();
-        elements.follow(&self.patches.moving(&places(moving, &riders)), &Serial);
+        if !elements.is_following() {
+            if !self.is_unlinked.take() {
+                return Ok(true);
+            }
+            let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
+            elements.begin_to_follow(&self.patches.moving(&places(moving, &riders)));
+        }
+        if !elements.advance(work) {
+            return Ok(false);
+        }
         self.light.borrow_mut().follow(gpu, pipelines, &elements, &elements.moving_tables())?;
         self.counts.set(AntiradianceCounts { links: elements.links().iter().sum(), ..self.counts.get() });
-        Ok(())
+        // It may have moved on meanwhile.
+        Ok(!self.is_unlinked.get())
     }
 
     /// Encodes dispatches of a kernel over points and patches into a pass.
