@@ -76,9 +76,9 @@ cargo xtask bench-kernels
                      counts the instructions of a bake's kernels; installs valgrind
 cargo xtask bench-radiosity [--functions N] [SCENE ...]
                      solves scenes in several ways on CPU and GPU, and bakes a vase with and without a group of its own
-cargo xtask bench-antiradiance [--spp N]
+cargo xtask bench-antiradiance [--spp N | --page]
                      antiradiance against the path tracer, by bins, elements and iterations; writes docs/reports/antiradiance.md
-                     with plots. Half an hour
+                     with plots. Half an hour. --page: in headless Chromium; writes docs/reports/antiradiance-page.md
 cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
                      errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: minutes, without
