@@ -18,7 +18,7 @@ pub const GRAZING: f32 = 1e-3;
 pub struct Links {
     /// First link of each element, and the number of links at the end.
     pub offsets: Vec<u32>,
-    /// Senders.
+    /// SenderTables.
     pub senders: Vec<u32>,
 }
 
@@ -64,7 +64,7 @@ impl Links {
         self.senders.len()
     }
 
-    /// Senders of a receiver.
+    /// SenderTables of a receiver.
     pub fn of(&self, receiver: usize) -> &[u32] {
         &self.senders[self.offsets[receiver] as usize..self.offsets[receiver + 1] as usize]
     }

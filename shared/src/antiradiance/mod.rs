@@ -58,6 +58,6 @@ pub use point_patches::{PointPatches, SceneTriangle};
 pub use solve::{AntiradianceFigures, AntiradianceSolver, Iteration, Observer, Pass, SolverSettings};
 pub use sweep::SweepScene;
 pub use transfer::Transfer;
-pub use transfers::{Exchange, Senders, Spreading, Transfers};
+pub use transfers::{Exchange, SenderTables, Spreading, Transfers};
 pub use waves::Waves;
 pub use workers::{Serial, Workers};

@@ -18,7 +18,7 @@ use super::lobe::Lobes;
 use super::patches::Patch;
 use super::solve::{AntiradianceSolver, SolverSettings};
 use super::sweep::SweepScene;
-use super::transfers::{Exchange, Senders, Transfers};
+use super::transfers::{Exchange, SenderTables, Transfers};
 use super::waves::Waves;
 use super::workers::Workers;
 use std::ops::Range;
@@ -52,7 +52,7 @@ pub struct MovingElements {
     of_moving: (Transfers, usize),
     /// Links of what moves, on their way.
     following: Option<LinksInParts>,
-    senders: Senders,
+    senders: SenderTables,
     lobes: Lobes,
 }
 
@@ -69,7 +69,7 @@ impl MovingElements {
     fn unlinked(patches: Vec<Patch>, still: usize, settings: SolverSettings) -> Self {
         let hierarchy = Hierarchy::parted(&patches, still);
         let bins = Bins::new(settings.bins);
-        let senders = Senders::new(&patches, &hierarchy, &bins);
+        let senders = SenderTables::new(&patches, &hierarchy, &bins);
         let lobes = Lobes::new(&patches, &bins, &senders.normalisations);
         let parts = parts(&hierarchy, still, patches.len());
         let (between_still, of_moving) = Default::default();

@@ -9,7 +9,7 @@ use super::patches::Patch;
 use super::spread::Spread;
 use super::sweep::{Sweep, SweepScene};
 use super::transfer::Transfer;
-use super::transfers::{Exchange, Senders, Spreading, Transfers};
+use super::transfers::{Exchange, SenderTables, Spreading, Transfers};
 use super::transport::{global_pass, pull, push};
 use super::workers::Workers;
 use glam::Vec3;
@@ -131,7 +131,7 @@ impl<'a> AntiradianceSolver<'a> {
         let bins = Bins::new(settings.bins);
         let hierarchy = Hierarchy::new(patches);
         let links = Links::new(patches, &hierarchy, &bins, settings.width);
-        let senders = Senders::new(patches, &hierarchy, &bins);
+        let senders = SenderTables::new(patches, &hierarchy, &bins);
         let spreading = settings.spreading;
         let exchange = Exchange { bins: &bins, patches, hierarchy: &hierarchy, senders: &senders, spreading };
         let transfers = Transfers::new(&exchange, &links, workers);

@@ -77,7 +77,7 @@ impl Transfers {
 
 /// What form factors need of senders beside their elements.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Senders {
+pub struct SenderTables {
     samples: Samples,
     /// By patch: see [`normalisation`].
     pub normalisations: Vec<f32>,
@@ -87,7 +87,7 @@ pub struct Senders {
     first_patch: Vec<u32>,
 }
 
-impl Senders {
+impl SenderTables {
     /// Those of all elements.
     pub fn new(patches: &[Patch], hierarchy: &Hierarchy, bins: &Bins) -> Self {
         let normalisations = patches.iter().map(|patch| normalisation(bins, patch.normal)).collect();
@@ -138,7 +138,7 @@ pub struct Exchange<'a> {
     /// Elements.
     pub hierarchy: &'a Hierarchy,
     /// Of the same elements.
-    pub senders: &'a Senders,
+    pub senders: &'a SenderTables,
     /// How wide senders reach several bins.
     pub spreading: Spreading,
 }

@@ -31,7 +31,7 @@ const SLICES: std::ops::RangeInclusive<u32> = 16..=1 << 16;
 const WHOLE: u32 = 1 << 13;
 /// Links of what moves that a frame makes.
 #[cfg(feature = "antiradiance")]
-const LINKS: usize = 4_000;
+const LINKS: usize = 6_000;
 /// Work on the first links of antiradiance in a frame.
 #[cfg(feature = "antiradiance")]
 pub(super) const PIECE: usize = 8_000;

@@ -270,7 +270,7 @@ export async function nodes(harness, context) {
     const traced = await of("radiosity");
     const { elements, links, bins, iterations } = moved.stats.antiradiance;
     console.log(`    ${elements} elements, ${links} links, ${bins} bins, ${iterations} steps`);
-    check(elements > 50 && links > elements && bins === 128 && iterations >= 20, JSON.stringify(moved.stats.antiradiance));
+    check(elements > 50 && links > elements && bins === 256 && iterations >= 20, JSON.stringify(moved.stats.antiradiance));
     console.log(`    moved: apart by ${await apart(moved.found, traced.found)}, from rest by ${await apart(moved.found, still.found)}`);
     check((await apart(moved.found, traced.found)) < 0.25, "far from the light of rays");
     check((await apart(moved.found, still.found)) > 0.05, "the light does not follow");

@@ -30,8 +30,12 @@ use wgpu::BufferUsages;
 
 /// Greatest number of patches: of static surfaces, and of moving ones.
 const MOST: [usize; 2] = [4_096, 128];
+/// Bins: those where patches are no more than that, which make what moves better than an operator that does not know it; and those of
+/// scenes with more.
+const BINS: usize = 256;
+const FEWER_BINS: usize = 128;
 /// Steps of a frame, and those of a software adapter.
-const STEPS: u32 = 4;
+const STEPS: u32 = 2;
 const SOFTWARE_STEPS: u32 = 1;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
 const ENOUGH: u32 = 20;
@@ -106,7 +110,10 @@ impl Preparation {
         let placed = |point| moving.placed_point(&motions, point);
         let patches = PointPatches::new(scene, &moves, MOST, (&each, &placed));
         let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
-        let linking = Linking::new(patches.patches(&at_rest), patches.still, SolverSettings::default());
+        let is_small = patches.points.len() <= MOST.iter().sum();
+        let bins = if is_small { BINS } else { FEWER_BINS };
+        let settings = SolverSettings { bins, ..SolverSettings::default() };
+        let linking = Linking::new(patches.patches(&at_rest), patches.still, settings);
         Self { patches, linking }
     }
 
