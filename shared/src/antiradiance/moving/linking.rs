@@ -82,10 +82,10 @@ enum FirstStage {
 
 impl Linking {
     /// Elements of patches of which the first `still` stand.
-    pub fn new(patches: Vec<Patch>, still: usize, settings: SolverSettings) -> Self {
+    pub fn new(patches: Vec<Patch>, still: usize, settings: SolverSettings) -> Box<Self> {
         let elements = MovingElements::unlinked(patches, still, settings);
         let stage = FirstStage::Links(LinksInParts::new(elements.within_still()));
-        Self { elements, stage }
+        Box::new(Self { elements, stage })
     }
 
     /// Goes on for the time of form factors of about `work` links. Returns the elements when all links are there, with the tables of
@@ -93,7 +93,7 @@ impl Linking {
     ///
     /// # Errors
     /// Itself, which is not done.
-    pub fn advance(mut self, work: usize) -> Result<(MovingElements, PartTables), Self> {
+    pub fn advance(mut self: Box<Self>, work: usize) -> Result<(MovingElements, PartTables), Box<Self>> {
         let mut left = work.max(1);
         while left > 0 {
             let elements = &mut self.elements;

@@ -79,7 +79,7 @@ pub struct AntiradianceCounts {
 /// Patches and links of a scene at rest, on their way.
 pub struct Preparation {
     patches: PointPatches,
-    linking: Linking,
+    linking: Box<Linking>,
 }
 
 /// Patches of a scene with all links.
