@@ -136,10 +136,7 @@ impl Room {
             scene.corner_colors.truncate(walls);
         }
         let (baked, _) = bake(&scene, bake_settings, &())?;
-        let finest = baked.display().map(|i| &baked.points[i]);
-        let points = finest
-            .map(|point| AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 })
-            .collect();
+        let points = baked.display().map(|i| area_point(&baked, i)).collect();
         let patches = patches_of(&scene, elements, false);
         let settings = SolverSettings { bins, ..SolverSettings::default() };
         let (whole, figure) = with_figure(&scene, None)?;
@@ -343,11 +340,7 @@ impl AtRest {
             (0..baked.direct_count()).map(|i| is_figure(i).then(|| nearest(i)).flatten()).collect();
         let numbers: Vec<usize> = baked.display().filter(|i| !is_figure(*i)).collect();
         anyhow::ensure!(numbers.len() < baked.display().len(), "the figure has no points");
-        let point = |i: &usize| {
-            let point = &baked.points[*i];
-            AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 }
-        };
-        let points = numbers.iter().map(point).collect();
+        let points = numbers.iter().map(|i| area_point(&baked, *i)).collect();
         Ok(Self { baked, figure, patch_of, points, numbers })
     }
 }
@@ -364,6 +357,12 @@ fn with_figure(scene: &Scene, time: Option<f64>) -> Result<(Scene, Vec<Patch>)> 
     let mut whole = scene.clone();
     whole.add(figure, at)?;
     Ok((whole, patches))
+}
+
+/// A point of a file; all count alike.
+fn area_point(baked: &BakedScene, point: usize) -> AreaPoint {
+    let point = &baked.points[point];
+    AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 }
 }
 
 /// Values of points at patches of the room.

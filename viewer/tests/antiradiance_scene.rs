@@ -167,12 +167,17 @@ fn a_metal_under_a_spot_throws_its_light_elsewhere_than_chalk() {
     gpu.check().unwrap();
 }
 
+/// A room with reflectances, and a mesh in it that deforms.
+fn deforming_room() -> BakedScene {
+    let mut scene = crate::rig::deforming_room();
+    scene.reflectance = vec![150; scene.points.len()];
+    scene
+}
+
 #[test]
 fn a_pose_takes_the_light_along() {
     let Some(gpu) = common::gpu() else { return };
-    let mut scene = crate::rig::deforming_room();
-    scene.reflectance = vec![150; scene.points.len()];
-    let mut ours = renderer(&gpu, &scene);
+    let mut ours = renderer(&gpu, &deforming_room());
     if ours.scene().is_none_or(|scene| scene.moving.is_none()) {
         panic!("the room cannot be solved");
     }
@@ -191,9 +196,7 @@ fn a_pose_takes_the_light_along() {
 #[test]
 fn auto_takes_it_while_something_deforms_and_draws_meanwhile() {
     let Some(gpu) = common::gpu() else { return };
-    let mut scene = crate::rig::deforming_room();
-    scene.reflectance = vec![150; scene.points.len()];
-    let mut ours = renderer(&gpu, &scene);
+    let mut ours = renderer(&gpu, &deforming_room());
     let rest = light(&mut ours, SolverChoice::Auto);
     assert_eq!(ours.solver_in_use(), "operator");
     ours.pose(Some(0), 2.0).unwrap();

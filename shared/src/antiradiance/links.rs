@@ -18,7 +18,7 @@ pub const GRAZING: f32 = 1e-3;
 pub struct Links {
     /// First link of each element, and the number of links at the end.
     pub offsets: Vec<u32>,
-    /// SenderTables.
+    /// Senders.
     pub senders: Vec<u32>,
 }
 
@@ -64,13 +64,13 @@ impl Links {
         self.senders.len()
     }
 
-    /// SenderTables of a receiver.
+    /// Senders of a receiver.
     pub fn of(&self, receiver: usize) -> &[u32] {
         &self.senders[self.offsets[receiver] as usize..self.offsets[receiver + 1] as usize]
     }
 }
 
-/// A refinement on its way.
+/// An unfinished refinement.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pairs {
     /// Pairs that are not refined yet.
@@ -80,7 +80,7 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    /// Refines at most so many pairs.
+    /// Refines at most `most` pairs.
     pub fn refine(
         &mut self,
         patches: &[Patch],

@@ -50,7 +50,7 @@ pub struct MovingElements {
     between_still: (Transfers, usize),
     /// Transfers from and to elements that move, and the number of their links.
     of_moving: (Transfers, usize),
-    /// Links of what moves, on their way.
+    /// Unfinished links of what moves.
     following: Option<LinksInParts>,
     senders: SenderTables,
     lobes: Lobes,

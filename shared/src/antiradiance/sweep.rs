@@ -25,7 +25,7 @@ pub struct Sweep {
     pub order: Vec<u32>,
     /// First link of each bin and element, and the number of links at the end.
     pub offsets: Vec<u32>,
-    /// SenderTables.
+    /// Senders.
     pub senders: Vec<u32>,
     /// Their form factors.
     pub factors: Vec<f32>,

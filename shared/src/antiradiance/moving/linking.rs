@@ -11,10 +11,10 @@ use super::{MovingElements, PartTables};
 
 /// Pairs that are refined in the time in which the form factors of a link are computed.
 const PAIRS_A_LINK: usize = 16;
-/// Cells that have their turn in that time.
+/// Cells that are put into waves in the time in which the form factors of a link are computed.
 const CELLS_A_LINK: usize = 4;
 
-/// Links and form factors between some pairs of elements, on their way.
+/// Unfinished links and form factors between pairs of elements.
 pub(super) struct LinksInParts {
     stage: Stage,
     transfers: Transfers,
@@ -24,7 +24,7 @@ pub(super) struct LinksInParts {
 enum Stage {
     /// Refinement.
     Pairs(Pairs),
-    /// Form factors by receiver; those of so many are there.
+    /// Form factors of the links; the index of the next receiver.
     Transfers(Links, usize),
 }
 
@@ -34,7 +34,7 @@ impl LinksInParts {
         Self { stage, transfers: Transfers { offsets: vec![0], transfers: Vec::new() }, links: 0 }
     }
 
-    /// Goes on for the time of form factors of about `work` links. Returns whether all are there, and the work done.
+    /// Computes about `work` links. Returns whether the links are complete, and the work done.
     fn advance(&mut self, elements: &MovingElements, work: usize) -> (bool, usize) {
         let MovingElements { patches, hierarchy, bins, settings, .. } = elements;
         let count = hierarchy.elements.len();
@@ -67,7 +67,7 @@ impl LinksInParts {
     }
 }
 
-/// Elements whose first links are on their way.
+/// Elements with unfinished links between what stands.
 pub struct Linking {
     elements: MovingElements,
     stage: FirstStage,
@@ -88,11 +88,10 @@ impl Linking {
         Box::new(Self { elements, stage })
     }
 
-    /// Goes on for the time of form factors of about `work` links. Returns the elements when all links are there, with the tables of
-    /// what stands.
+    /// Computes about `work` links. Returns the elements and the tables of what stands when the links are complete.
     ///
     /// # Errors
-    /// Itself, which is not done.
+    /// The unfinished links.
     pub fn advance(mut self: Box<Self>, work: usize) -> Result<(MovingElements, PartTables), Box<Self>> {
         let mut left = work.max(1);
         while left > 0 {
@@ -126,18 +125,18 @@ impl Linking {
 }
 
 impl MovingElements {
-    /// Puts the patches that move elsewhere, in their order. Their links are made by [`Self::advance`].
+    /// Places the patches that move, in their order. [`Self::advance`] makes their links.
     pub fn begin_to_follow(&mut self, moved: &[Patch]) {
         self.place(moved);
         self.following = Some(LinksInParts::new(self.of_what_moves()));
     }
 
-    /// Whether links of what moves are on their way.
+    /// Whether links of what moves are unfinished.
     pub fn is_following(&self) -> bool {
         self.following.is_some()
     }
 
-    /// Goes on with them for the time of form factors of about `work` links. Returns whether they are there.
+    /// Computes about `work` links of what moves. Returns whether the links are complete.
     pub fn advance(&mut self, work: usize) -> bool {
         let Some(mut links) = self.following.take() else { return true };
         let (is_done, _) = links.advance(self, work.max(1));

@@ -4,12 +4,12 @@
 //! solutions, with what moves where it is now and where the operator has it. At rest that is the operator's light. Of a file without,
 //! it is the first of them alone.
 //!
-//! Patches stand for points of two levels ([`PointPatches`]): one for what stands, a finer one for what moves. A few steps are
+//! Patches stand for points of two levels ([`PointPatches`]): one for what stands, one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
 //! anew, on the CPU, and all else stays. The first links of all are made piece by piece ([`Preparation`]), with the light as it was
 //! before meanwhile.
 
-use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, Uniforms, run};
+use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, STORAGE, Uniforms, run};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{ComputeKernel, buffer, empty_buffer, group, part};
@@ -30,14 +30,13 @@ use wgpu::BufferUsages;
 
 /// Greatest number of patches: of static surfaces, and of moving ones.
 const MOST: [usize; 2] = [4_096, 128];
-/// Bins: those where patches are no more than that, which make what moves better than an operator that does not know it; and those of
-/// scenes with more.
+/// Bins of scenes with at most [`MOST`] patches, and of scenes with more patches.
 const BINS: usize = 256;
 const FEWER_BINS: usize = 128;
 /// Steps of a frame, and those of a software adapter.
 const STEPS: u32 = 2;
 const SOFTWARE_STEPS: u32 = 1;
-/// Steps until light is taken for that of the present lamps and places: an ordered step leaves half of the difference or less.
+/// Steps until light is taken for that of the present lamps and places: an ordered step leaves two thirds of the difference or less.
 const ENOUGH: u32 = 20;
 /// No patch.
 const NONE: u32 = u32::MAX;
@@ -76,7 +75,7 @@ pub struct AntiradianceCounts {
     pub iterations: u32,
 }
 
-/// Patches and links of a scene at rest, on their way.
+/// Patches and unfinished links of a scene at rest.
 pub struct Preparation {
     patches: PointPatches,
     linking: Box<Linking>,
@@ -117,10 +116,10 @@ impl Preparation {
         Self { patches, linking }
     }
 
-    /// Makes some more links; `work` as [`Linking::advance`] has it. Returns what is prepared when all are there.
+    /// Computes about `work` links ([`Linking::advance`]). Returns the patches with complete links.
     ///
     /// # Errors
-    /// Itself, which is not done.
+    /// The unfinished preparation.
     pub fn advance(self, work: usize) -> Result<Prepared, Self> {
         let Self { patches, linking } = self;
         match linking.advance(work) {
@@ -185,8 +184,7 @@ impl SceneAntiradiance {
         let scene = moving.file();
         let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
         let own = Scope::new(gpu);
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
+        let colours = |label, count: usize| empty_buffer(&own, label, STORAGE, 16 * count as u64);
         let beside = relight.is_linked().then(|| {
             let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
             let count = scene.points.len();

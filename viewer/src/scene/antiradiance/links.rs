@@ -1,4 +1,4 @@
-//! Links on the GPU: those between what stands, which stay, and those of what moves, which are others after each motion.
+//! Links on the GPU: static links between what stands, and moving links, replaced after each motion.
 //!
 //! Both are in the same buffers, those of what stands first: a shader binds eight buffers at most.
 
@@ -14,7 +14,7 @@ use wgpu::BufferUsages;
 /// Bytes of a link.
 const LINK: u64 = size_of::<CellTransfer>() as u64;
 
-/// These bytes, if a binding may have so many.
+/// The given number of bytes, if a binding can hold it.
 pub(super) fn fitting(bytes: u64) -> Result<u64, ViewerError> {
     if bytes > MAX_BINDING {
         return Err(ViewerError::TooManyElements { bytes, limit: MAX_BINDING });
@@ -115,7 +115,7 @@ impl GpuLinks {
     }
 }
 
-/// A buffer for so many links of what stands and of what moves, with half as many more of the latter.
+/// A buffer for `still` static and `moving` links, with room for half as many more moving ones.
 fn with_room(gpu: &Gpu, still: u64, moving: u64) -> Result<(wgpu::Buffer, Scope), ViewerError> {
     let room = Scope::new(gpu);
     let least = fitting(LINK * (still + moving))?;
