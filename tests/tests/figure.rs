@@ -19,6 +19,7 @@ use rebounce_shared::lighting::Lighting;
 use rebounce_shared::motion::Motions;
 use rebounce_shared::rig::pose::Pose;
 use rebounce_tests::small::settings;
+use rebounce_viewer::settings::SolverChoice;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 36];
@@ -86,6 +87,8 @@ fn the_viewers_picture_of_a_pose_is_the_cpus() {
     renderer.set_camera(camera.clone()).unwrap();
     renderer.set_lights(vec![lamp.clone()]).unwrap();
     renderer.set_detail(false);
+    // The CPU has the room's light of the figure at rest, as the operator has.
+    renderer.set_solver(SolverChoice::Operator);
     let animation = &file.rig.layout.animations[0];
     let mut off = [None, Some(time)].map(|time| {
         renderer.pose(time.map(|_| 0), time.unwrap_or_default().into()).unwrap();

@@ -3,6 +3,7 @@
 
 use crate::common;
 
+use rebounce_shared::antiradiance::waves::SLICES;
 use rebounce_shared::antiradiance::{
     AntiradianceSolver, Iteration, MovingElements, Patch, Serial, SolverSettings, Spreading,
 };
@@ -164,6 +165,41 @@ fn sweeps_hold_behind_many_surfaces() {
     let [waves, _] = light.waves();
     println!("{difference:.5}; {waves} waves of {elements} elements");
     assert!(difference < 0.01 && waves < elements / 4, "{difference}, {waves} waves");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn light_through_slices_of_the_bins_adds_up_to_that_through_all() {
+    let Some(gpu) = common::gpu() else { return };
+    let pipelines = AntiradiancePipelines::new(&gpu);
+    let patches = room();
+    let settings = SolverSettings { iteration: Iteration::Ordered, ..SolverSettings::default() };
+    let solver = AntiradianceSolver::new(&patches, &settings, &Serial);
+    let mut light = GpuAntiradiance::new(&gpu, &pipelines, &solver, settings.iteration).unwrap();
+    light.set_direct(&gpu, &solver.even_light(lit(&patches, Vec3::Y, Vec3::ONE)));
+    let mut after = |slices: &[Option<usize>]| {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        light.restart(&mut encoder);
+        for slice in slices {
+            match slice {
+                Some(slice) => light.step_slice(&mut encoder, &pipelines, *slice),
+                None => light.step(&mut encoder, &pipelines),
+            }
+        }
+        gpu.queue.submit([encoder.finish()]);
+        read(&gpu, &light)[..patches.len()].to_vec()
+    };
+    let mut sum = vec![Vec3::ZERO; patches.len()];
+    for slice in 0..SLICES {
+        let part = after(&[Some(slice)]);
+        assert!(part.iter().any(|light| light.max_element() > 0.0), "slice {slice} is dark");
+        sum.iter_mut().zip(part).for_each(|(sum, light)| *sum += light);
+    }
+    let once = solver.difference(&sum, &after(&[None]));
+    let rounds: Vec<Option<usize>> = (0..20 * SLICES).map(|step| Some(step % SLICES)).collect();
+    let often = solver.difference(&after(&rounds), &after(&[None; 20]));
+    println!("{once:.6} after one step, {often:.5} after twenty");
+    assert!(once < 1e-4 && often < 2e-3, "{once} {often}");
     gpu.check().unwrap();
 }
 

@@ -8,7 +8,7 @@ import { launch, within } from "../test/browser.mjs";
 import { median, openPage, serve } from "./pages.mjs";
 
 const SIZES = { walk: { width: 1280, height: 720 }, office: { width: 160, height: 90 } };
-const ROUNDS = 5;
+const ROUNDS = 3;
 /** The office from within. */
 const INSIDE = {
   camera: { position: [0.5, 1.75, 4.35], target: [3.6, 0.85, 1.5], up: [0, 1, 0], yfov_deg: 62 },

@@ -7,20 +7,27 @@
 //!
 //! The order is for speed alone: sweeps in any order come to the same light. What moves has waves of its own, before those of what
 //! stands ([`MovingElements`](super::MovingElements)): they are short, and those of what stands need not be made anew.
+//!
+//! Bins are independent of each other within a sweep. The items of a wave are sorted into slices of the bins, so that a frame with
+//! little time sweeps a slice of them.
 
 use super::bins::Bins;
 use super::cells::Cells;
 use super::hierarchy::{Hierarchy, NONE};
 use super::sweep::ordered;
+use std::ops::Range;
 
 /// Bit of an item that is the sum of a cluster's children.
 pub const PULL: u32 = 1 << 31;
 
+/// Slices of the bins: of a slice is every `SLICES`th bin, so that each has directions all around.
+pub const SLICES: usize = 4;
+
 /// Cells of the tables, wave by wave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Waves {
-    /// First item of each wave, and the number of items at the end.
-    pub starts: Vec<u32>,
+    /// First item of each wave and slice, slice by slice in each wave, and the number of items at the end.
+    starts: Vec<u32>,
     /// Cells whose light is gathered, and, with the bit [`PULL`], clusters whose children have all had their turn.
     pub items: Vec<u32>,
 }
@@ -43,33 +50,45 @@ impl Waves {
     /// Threads of a group take as long as the longest of them: items of a wave are in the order of their links.
     fn of_turns(turns: &[Turn]) -> Self {
         let waves = turns.iter().map(|turn| turn.wave).max().unwrap_or(0) as usize;
-        let mut starts = vec![0u32; waves + 1];
-        turns.iter().for_each(|turn| starts[turn.wave as usize] += 1);
+        let mut starts = vec![0u32; waves * SLICES + 1];
+        // Waves count from 1.
+        let place = |turn: &Turn| (turn.wave as usize - 1) * SLICES + turn.slice as usize;
+        turns.iter().for_each(|turn| starts[place(turn) + 1] += 1);
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        // Waves count from 1: that of a number begins where the one before ends.
         let mut next = starts.clone();
         let mut items = vec![(0, 0); turns.len()];
         for turn in turns {
-            let at = &mut next[turn.wave as usize - 1];
+            let at = &mut next[place(turn)];
             items[*at as usize] = (u32::MAX - turn.links, turn.item);
             *at += 1;
         }
-        for wave in starts.windows(2) {
-            items[wave[0] as usize..wave[1] as usize].sort_unstable();
+        for slice in starts.windows(2) {
+            items[slice[0] as usize..slice[1] as usize].sort_unstable();
         }
         Self { starts, items: items.iter().map(|(_, item)| *item).collect() }
     }
 
     /// Number of waves.
     pub fn count(&self) -> usize {
-        self.starts.len().saturating_sub(1)
+        self.starts.len() / SLICES
+    }
+
+    /// Indices of the items of a wave.
+    pub fn range(&self, wave: usize) -> Range<usize> {
+        self.starts[wave * SLICES] as usize..self.starts[(wave + 1) * SLICES] as usize
+    }
+
+    /// Indices of the items of a wave that are of a slice of the bins.
+    pub fn slice(&self, wave: usize, slice: usize) -> Range<usize> {
+        let at = wave * SLICES + slice;
+        self.starts[at] as usize..self.starts[at + 1] as usize
     }
 
     /// Items of a wave.
     pub fn of(&self, wave: usize) -> &[u32] {
-        &self.items[self.starts[wave] as usize..self.starts[wave + 1] as usize]
+        &self.items[self.range(wave)]
     }
 }
 
@@ -96,6 +115,8 @@ struct Turn {
     item: u32,
     /// Number of links of the item.
     links: u32,
+    /// Slice of its bin.
+    slice: u8,
 }
 
 /// Turns of the elements in a bin.
@@ -134,6 +155,7 @@ impl<'a> BinTurns<'a> {
 
     fn run(mut self, out: &mut Vec<Turn>) {
         let elements = &self.hierarchy.elements;
+        let slice = (self.bin % SLICES) as u8;
         for own in std::mem::take(&mut self.order) {
             let own = own as usize;
             let element = &elements[own];
@@ -148,7 +170,7 @@ impl<'a> BinTurns<'a> {
             }
             let wave = last + 1;
             self.received[own] = wave;
-            out.push(Turn { wave, item: cell as u32, links: self.cells.of(cell).len() as u32 });
+            out.push(Turn { wave, item: cell as u32, links: self.cells.of(cell).len() as u32, slice });
             for sender in senders.filter(|sender| self.left[*sender] == 0) {
                 self.read[sender] = self.read[sender].max(wave);
             }
@@ -161,6 +183,7 @@ impl<'a> BinTurns<'a> {
 
     /// A child of a cluster has had its turn.
     fn pull(&mut self, mut cluster: u32, out: &mut Vec<Turn>) {
+        let slice = (self.bin % SLICES) as u8;
         while cluster != NONE {
             let own = cluster as usize;
             self.remaining[own] -= 1;
@@ -171,7 +194,7 @@ impl<'a> BinTurns<'a> {
             let children = element.children().map(|child| self.left[child]);
             let wave = children.fold(self.read[own], u32::max) + 1;
             self.left[own] = wave;
-            out.push(Turn { wave, item: (own * self.bins + self.bin) as u32 | PULL, links: 0 });
+            out.push(Turn { wave, item: (own * self.bins + self.bin) as u32 | PULL, links: 0, slice });
             cluster = element.parent;
         }
     }
@@ -199,6 +222,10 @@ mod tests {
         let all = hierarchy.elements.len() * count;
         let (mut written, mut left) = (vec![0usize; all], vec![0usize; all]);
         for wave in 0..waves.count() {
+            for slice in 0..SLICES {
+                let items = &waves.items[waves.slice(wave, slice)];
+                assert!(items.iter().all(|item| (item & !PULL) as usize % count % SLICES == slice));
+            }
             for item in waves.of(wave) {
                 let cell = (item & !PULL) as usize;
                 let is_patch = hierarchy.elements[cell / count].is_patch();

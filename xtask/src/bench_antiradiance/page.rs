@@ -90,8 +90,8 @@ impl Figures {
         format!(
             "Medians in Chromium on {adapter}.\n\n\
              ## A figure that walks\n\n\
-             The apartment, a draft, with the walking figure (`builtin:walker`), 1280 x 720: the first frame after\n\
-             each of five motions of 1/30 s, with its new links and a step.\n\n\
+             The apartment, a draft, with the walking figure (`builtin:walker`), 1280 x 720: frames of a walk in\n\
+             steps of 1/30 s, with the links of each pose and a slice of a step.\n\n\
              | bounced light by | a frame, s |\n|---|---|\n\
              | operator | {operator:.2} |\n\
              | operator and antiradiance | {both:.2} |\n\n\

@@ -5,7 +5,8 @@
 //! it is the first of them alone.
 //!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, one for what moves. A few steps are
-//! taken in every frame, and the light goes on from that of the frame before. After a motion the links of what moves are made
+//! taken in every frame, and the light goes on from that of the frame before; a software adapter takes a slice of the bins while
+//! lamps or places change, the same in both solutions. After a motion the links of what moves are made
 //! anew, on the CPU, and all else stays. The first links of all are made piece by piece ([`Preparation`]), with the light as it was
 //! before meanwhile.
 
@@ -19,6 +20,7 @@ use crate::scene::relight::Relight;
 use crate::scene::rig::GpuRig;
 use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
+use rebounce_shared::antiradiance::waves::SLICES;
 use rebounce_shared::antiradiance::{
     Linking, MovingElements, PartTables, PointPatches, SceneTriangle, Serial, SolverSettings,
 };
@@ -33,9 +35,8 @@ const MOST: [usize; 2] = [4_096, 128];
 /// Bins of scenes with at most [`MOST`] patches, and of scenes with more patches.
 const BINS: usize = 256;
 const FEWER_BINS: usize = 128;
-/// Steps of a frame, and those of a software adapter.
+/// Steps of a frame.
 const STEPS: u32 = 2;
-const SOFTWARE_STEPS: u32 = 1;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves two thirds of the difference or less.
 const ENOUGH: u32 = 20;
 /// No patch.
@@ -73,6 +74,25 @@ pub struct AntiradianceCounts {
     pub bins: usize,
     /// Steps since the scene was loaded, or was first lit this way.
     pub iterations: u32,
+}
+
+/// Steps of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Steps {
+    /// So many steps.
+    Whole(u32),
+    /// A step of a slice of the bins.
+    Slice(usize),
+}
+
+impl Steps {
+    /// Whole steps; a round of slices is one.
+    fn whole(self) -> u32 {
+        match self {
+            Self::Whole(count) => count,
+            Self::Slice(slice) => u32::from(slice + 1 == SLICES),
+        }
+    }
 }
 
 /// Patches and unfinished links of a scene at rest.
@@ -149,6 +169,10 @@ pub struct SceneAntiradiance {
     left: Cell<u32>,
     /// Something has moved since the links were made.
     is_unlinked: Cell<bool>,
+    /// Lamps or places have changed since the last step.
+    is_changed: Cell<bool>,
+    /// Slice of the bins whose turn is next.
+    slice: Cell<usize>,
     point_of: wgpu::Buffer,
     /// Points of the metals' patches.
     point_of_glossy: wgpu::Buffer,
@@ -237,6 +261,8 @@ impl SceneAntiradiance {
             counts: counts.into(),
             left: ENOUGH.into(),
             is_unlinked: false.into(),
+            is_changed: true.into(),
+            slice: 0.into(),
             point_of,
             point_of_glossy,
             points: relight.points.clone(),
@@ -271,6 +297,7 @@ impl SceneAntiradiance {
 
     /// Notes that the direct light at the points has changed. Beside an operator there is nothing to add where all is at rest.
     pub fn relit(&self, is_at_rest: bool) {
+        self.is_changed.set(true);
         self.left.set(if is_at_rest && self.beside.is_some() { 0 } else { ENOUGH });
     }
 
@@ -293,6 +320,7 @@ impl SceneAntiradiance {
     /// Notes that nodes have moved, or that something has another pose.
     pub fn moved(&self) {
         self.is_unlinked.set(true);
+        self.is_changed.set(true);
         self.left.set(ENOUGH);
     }
 
@@ -317,9 +345,9 @@ impl SceneAntiradiance {
     ) -> Result<(), ViewerError> {
         // Without links there is nothing to wait for.
         let linked = self.link(gpu, pipelines, (moving, rig), work).inspect_err(|_| self.left.set(0))?;
-        let steps = self.left.get().min(if gpu.software { SOFTWARE_STEPS } else { STEPS });
+        let steps = self.steps(gpu.software);
         if linked {
-            self.left.set(self.left.get() - steps);
+            self.left.set(self.left.get().saturating_sub(steps.whole()));
         }
         if self.beside.is_none() {
             self.take_light(gpu, encoder, pipelines, lamps);
@@ -330,7 +358,10 @@ impl SceneAntiradiance {
         let mut light = self.light.borrow_mut();
         let all = |light: &mut GpuAntiradiance, encoder: &mut wgpu::CommandEncoder| {
             light.take_direct(encoder, self.direct.each_ref());
-            (0..steps).for_each(|_| light.step(encoder, pipelines));
+            match steps {
+                Steps::Whole(count) => (0..count).for_each(|_| light.step(encoder, pipelines)),
+                Steps::Slice(slice) => light.step_slice(encoder, pipelines, slice),
+            }
         };
         all(&mut light, encoder);
         let at_rest = self.beside.as_ref().map(|beside| beside.at_rest.borrow_mut());
@@ -352,8 +383,18 @@ impl SceneAntiradiance {
         }
         drop(pass);
         let counts = self.counts.get();
-        self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps, ..counts });
+        self.counts.set(AntiradianceCounts { iterations: counts.iterations + steps.whole(), ..counts });
         Ok(())
+    }
+
+    /// Steps of a frame. Where lamps or places change, a frame of a software adapter has a slice alone.
+    fn steps(&self, is_software: bool) -> Steps {
+        let is_changed = self.is_changed.take();
+        match is_software {
+            true if is_changed => Steps::Slice(self.slice.replace((self.slice.get() + 1) % SLICES)),
+            true => Steps::Whole(self.left.get().min(1)),
+            false => Steps::Whole(self.left.get().min(STEPS)),
+        }
     }
 
     /// Takes the direct light of the points, before the light of an operator is added to it.

@@ -26,9 +26,10 @@ use crate::gpu::scope::Scope;
 use bytemuck::{Pod, Zeroable};
 use links::{GpuLinks, MovingWaves, Shared};
 use rebounce_shared::antiradiance::lobe::widened_alpha;
+use rebounce_shared::antiradiance::waves::SLICES;
 use rebounce_shared::antiradiance::{
-    AntiradianceSolver, Cells, DirectLight, Iteration, Lobes, MovingElements, PartTables, Patch, SweepScene,
-    Waves,
+    AntiradianceSolver, Cells, DirectLight, Hierarchy, Iteration, Lobes, MovingElements, PartTables, Patch,
+    SweepScene, Waves,
 };
 use rebounce_shared::glam::Vec3;
 use std::ops::Range;
@@ -46,6 +47,8 @@ struct BinsUniform {
     solid_angle: f32,
     patches: u32,
     moving: u32,
+    slice: u32,
+    slices: u32,
 }
 
 /// `Glossy` in lobe_bins.wgsl.
@@ -85,14 +88,43 @@ impl Uniforms {
         BinsDispatch { place, groups }
     }
 
+    /// Adds a dispatch of a thread for each index.
+    fn over(&mut self, range: Range<usize>, constants: BinsUniform) -> BinsDispatch {
+        self.threads(range.len(), range, constants)
+    }
+
+    fn threads(&mut self, threads: usize, range: Range<usize>, constants: BinsUniform) -> BinsDispatch {
+        let (first, count) = (range.start as u32, range.len() as u32);
+        self.dispatch(threads, |groups| BinsUniform { first, count, groups, ..constants })
+    }
+
     /// Adds a dispatch for each wave, over its items.
     fn waves(&mut self, waves: &Waves, constants: BinsUniform) -> Vec<BinsDispatch> {
-        let each = waves.starts.windows(2).map(|wave| {
-            let (first, count) = (wave[0], wave[1] - wave[0]);
-            self.dispatch(count as usize, |groups| BinsUniform { first, count, groups, ..constants })
-        });
-        each.collect()
+        (0..waves.count()).map(|wave| self.over(waves.range(wave), constants)).collect()
     }
+
+    /// Adds the dispatches of a part of the bins: over levels of the hierarchy, and over items of waves.
+    fn part(
+        &mut self,
+        hierarchy: &Hierarchy,
+        items: impl Iterator<Item = Range<usize>>,
+        constants: BinsUniform,
+    ) -> PartDispatches {
+        let BinsUniform { bins, slice, slices, .. } = constants;
+        let bins = (bins - slice).div_ceil(slices) as usize;
+        let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
+        let levels = levels.map(|level| self.threads(level.len() * bins, level, constants)).collect();
+        let items = items.filter(|items| !items.is_empty());
+        PartDispatches { levels, waves: items.map(|items| self.over(items, constants)).collect() }
+    }
+}
+
+/// Dispatches over all bins, or over a slice of them.
+struct PartDispatches {
+    /// By level, from the root on: over all cells of its elements.
+    levels: Vec<BinsDispatch>,
+    /// Of the ordered iteration, by wave.
+    waves: Vec<BinsDispatch>,
 }
 
 /// Patches and clusters of a scene, their links, and the light of the steps so far.
@@ -100,11 +132,10 @@ pub struct GpuAntiradiance {
     iteration: Iteration,
     /// Steps since the last restart.
     step: u32,
-    /// By level, from the root on: over all cells of its elements.
-    levels: Vec<BinsDispatch>,
-    /// Of the ordered iteration, by wave.
-    waves: Vec<BinsDispatch>,
-    /// Those of what moves, which come before.
+    whole: PartDispatches,
+    /// By slice of the bins; of the ordered iteration.
+    slices: Vec<PartDispatches>,
+    /// Waves of what moves, which come before.
     moving: Option<MovingWaves>,
     /// Over all elements.
     elements: BinsDispatch,
@@ -209,20 +240,23 @@ impl GpuAntiradiance {
             solid_angle: bins.solid_angle(),
             patches: patches.len() as u32,
             moving: links.moving(),
+            slices: 1,
             ..BinsUniform::default()
         };
         let mut uniforms = Uniforms::default();
-        let mut dispatch = |range: Range<usize>, threads: usize| {
-            let (first, count) = (range.start as u32, range.len() as u32);
-            uniforms.dispatch(threads, |groups| BinsUniform { first, count, groups, ..constants })
-        };
-        let levels = (0..hierarchy.depth()).map(|level| hierarchy.level(level));
-        let levels = levels.map(|level| dispatch(level.clone(), level.len() * count)).collect();
+        let waves = &still.waves;
+        let whole = uniforms.part(hierarchy, (0..waves.count()).map(|wave| waves.range(wave)), constants);
+        let slices = (0..if waves.count() > 0 { SLICES } else { 0 }).map(|slice| {
+            let items = (0..waves.count()).map(|wave| waves.slice(wave, slice));
+            let constants = BinsUniform { slice: slice as u32, slices: SLICES as u32, ..constants };
+            uniforms.part(hierarchy, items, constants)
+        });
+        let slices = slices.collect();
         let [all_elements, all_patches] =
-            [hierarchy.elements.len(), patches.len()].map(|count| dispatch(0..count, count));
+            [hierarchy.elements.len(), patches.len()].map(|count| uniforms.over(0..count, constants));
         let glossy_count = lobes.patches.len();
-        let all_lobes = (glossy_count > 0).then(|| dispatch(0..glossy_count, glossy_count * count));
-        let waves = uniforms.waves(&still.waves, constants);
+        let all_lobes =
+            (glossy_count > 0).then(|| uniforms.threads(glossy_count * count, 0..glossy_count, constants));
         let uniforms = buffer(&own, "passes", BufferUsages::UNIFORM, &uniforms.0);
 
         let shared = Shared { constants, elements, ways, radiance, incident, exitant };
@@ -253,8 +287,8 @@ impl GpuAntiradiance {
         Ok(Self {
             iteration,
             step: 0,
-            levels,
-            waves,
+            whole,
+            slices,
             moving,
             elements: all_elements,
             patches: all_patches,
@@ -322,7 +356,7 @@ impl GpuAntiradiance {
 
     /// Waves of a step of the ordered iteration, of what stands and of what moves; 0 of the others.
     pub fn waves(&self) -> [usize; 2] {
-        [self.waves.len(), self.moving.as_ref().map_or(0, |moving| moving.waves.len())]
+        [self.whole.waves.len(), self.moving.as_ref().map_or(0, |moving| moving.waves.len())]
     }
 
     /// Directions of the bins.
@@ -357,6 +391,28 @@ impl GpuAntiradiance {
 
     /// Encodes a step: local pass and pull, global pass and push or a sweep, irradiance.
     pub fn step(&mut self, encoder: &mut wgpu::CommandEncoder, pipelines: &AntiradiancePipelines) {
+        self.step_of(encoder, pipelines, &self.whole);
+        self.step += 1;
+    }
+
+    /// Encodes a step of the ordered iteration in which light between what stands goes through a slice of the bins, of
+    /// [`SLICES`]; that of the others stays. A step of another iteration is whole.
+    pub fn step_slice(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &AntiradiancePipelines,
+        slice: usize,
+    ) {
+        self.step_of(encoder, pipelines, self.slices.get(slice).unwrap_or(&self.whole));
+        self.step += 1;
+    }
+
+    fn step_of(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &AntiradiancePipelines,
+        part: &PartDispatches,
+    ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         // What the step before has brought is reflected now, with the direct light of now.
         if self.step == 0 || self.iteration.reflects(self.step - 1) {
@@ -370,10 +426,10 @@ impl GpuAntiradiance {
             }
         }
         pass.set_pipeline(&pipelines.leave.1);
-        self.levels.iter().rev().for_each(|level| run(&mut pass, &self.leave, *level));
+        part.levels.iter().rev().for_each(|level| run(&mut pass, &self.leave, *level));
         let (pipeline, dispatches) = match self.iteration {
-            Iteration::Ordered => (&pipelines.sweep.1, &self.waves),
-            Iteration::Symmetric | Iteration::Asymmetric(_) => (&pipelines.gather.1, &self.levels),
+            Iteration::Ordered => (&pipelines.sweep.1, &part.waves),
+            Iteration::Symmetric | Iteration::Asymmetric(_) => (&pipelines.gather.1, &part.levels),
         };
         pass.set_pipeline(pipeline);
         if let Some(moving) = &self.moving {
@@ -382,7 +438,6 @@ impl GpuAntiradiance {
         dispatches.iter().for_each(|dispatch| run(&mut pass, &self.gather, *dispatch));
         pass.set_pipeline(&pipelines.measure.1);
         run(&mut pass, &self.measure, self.elements);
-        self.step += 1;
     }
 }
 

@@ -14,6 +14,9 @@ struct Pass {
     patches: u32,
     // First offset of the links of what moves, which come after those of what stands; 0 where all is one.
     moving: u32,
+    // Every `slices`th bin counts, from bin `slice` on.
+    slice: u32,
+    slices: u32,
 }
 
 struct Element {

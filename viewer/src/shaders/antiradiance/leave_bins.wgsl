@@ -8,12 +8,13 @@
 @compute @workgroup_size(64)
 fn leave_bins(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let k = (group.y * pass_.groups + group.x) * 64u + thread;
-    if k >= pass_.count * pass_.bins {
+    let bins = (pass_.bins - pass_.slice + pass_.slices - 1u) / pass_.slices;
+    if k >= pass_.count * bins {
         return;
     }
-    let cell = pass_.first * pass_.bins + k;
-    let own = cell / pass_.bins;
-    let bin = cell % pass_.bins;
+    let own = pass_.first + k / bins;
+    let bin = pass_.slice + k % bins * pass_.slices;
+    let cell = own * pass_.bins + bin;
     if elements[own].children > 0u {
         exitant[cell] = packed(pulled(own, bin));
         return;
