@@ -141,6 +141,26 @@ fn light_around_what_moves_is_that_of_one_table_of_links() {
 }
 
 #[test]
+fn light_where_nothing_moves_is_that_of_one_table_of_links() {
+    let Some(gpu) = common::gpu() else { return };
+    let pipelines = AntiradiancePipelines::new(&gpu);
+    let patches = room();
+    let settings = SolverSettings { iterations: 40, ..SolverSettings::default() };
+    let elements = MovingElements::new(patches.clone(), patches.len(), settings, &Serial);
+    let mut light =
+        GpuAntiradiance::of_moving(&gpu, &pipelines, &elements, &elements.still_tables()).unwrap();
+    light.follow(&gpu, &pipelines, &elements, &elements.moving_tables()).unwrap();
+    let solver = elements.solver();
+    let direct = solver.even_light(lit(&patches, Vec3::Y, Vec3::ONE));
+    light.set_direct(&gpu, &direct);
+    steps(&gpu, &pipelines, &mut light, settings.iterations, true);
+    let (truth, _) = solver.solve(&direct, &settings, &Serial, &mut ());
+    let difference = solver.difference(&read(&gpu, &light)[..patches.len()], &truth);
+    assert!(difference < 0.01 && light.waves()[1] == 0, "{difference}");
+    gpu.check().unwrap();
+}
+
+#[test]
 fn sweeps_hold_behind_many_surfaces() {
     let Some(gpu) = common::gpu() else { return };
     let pipelines = AntiradiancePipelines::new(&gpu);

@@ -131,20 +131,23 @@ pub(super) struct MovingWaves {
 }
 
 impl MovingWaves {
-    /// Uploads their items.
+    /// Uploads their items; `None` without any.
     pub fn new(
         gpu: &Gpu,
         pipelines: &AntiradiancePipelines,
         (links, shared): (&GpuLinks, &Shared),
         waves: &Waves,
-    ) -> Self {
+    ) -> Option<Self> {
+        if waves.count() == 0 {
+            return None;
+        }
         let own = Scope::new(gpu);
         let mut uniforms = Uniforms::default();
         let dispatches = uniforms.waves(waves, shared.constants);
         let uniforms = buffer(&own, "moving passes", BufferUsages::UNIFORM, &uniforms.0);
         let items = buffer(&own, "moving items", STORAGE, bytemuck::cast_slice(&waves.items));
         let bound = links.sweep(gpu, pipelines, shared, (&items, &uniforms));
-        Self { bound, waves: dispatches, own }
+        Some(Self { bound, waves: dispatches, own })
     }
 
     /// Bytes on the GPU.

@@ -282,8 +282,7 @@ impl GpuAntiradiance {
         let of_lobes = [&glossy, &gains, &arriving, radiance];
         let reflect_lobes = make("reflect lobes", &pipelines.reflect_lobes.0, &of_lobes);
         let leave = make("leave bins", &pipelines.leave.0, &[radiance, incident, exitant]);
-        let moving =
-            (links.moving() > 0).then(|| MovingWaves::new(gpu, pipelines, (&links, &shared), &moving.waves));
+        let moving = MovingWaves::new(gpu, pipelines, (&links, &shared), &moving.waves);
         Ok(Self {
             iteration,
             step: 0,
@@ -331,7 +330,7 @@ impl GpuAntiradiance {
         if self.links.follow(gpu, cells)? {
             self.gather = self.links.sweep(gpu, pipelines, &self.shared, (&self.items, &self.uniforms));
         }
-        self.moving = Some(MovingWaves::new(gpu, pipelines, (&self.links, &self.shared), waves));
+        self.moving = MovingWaves::new(gpu, pipelines, (&self.links, &self.shared), waves);
         let (scene, still) = (elements.scene(), elements.moving().start);
         let write = |buffer, first: usize, rows: Vec<[f32; 4]>| {
             gpu.queue.write_buffer(buffer, 16 * first as u64, bytemuck::cast_slice(&rows));
