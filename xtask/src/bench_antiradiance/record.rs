@@ -185,15 +185,17 @@ impl Recorder {
         Ok(format!("| radiosity | – | – | – | – | – | – | – | – | {error:.3} | {bias:+.3} |"))
     }
 
-    /// Solves by each iteration with these arguments; the last one is what the others are compared with.
+    /// Solves by each iteration with these arguments and so many steps; the last one is what the others are compared with.
     ///
     /// # Errors
     /// If a command fails.
-    pub fn steps(&self, scene: &str, args: &[&str], iterations: &[(&[&str], &str)]) -> Result<Vec<Steps>> {
+    pub fn steps(&self, scene: &str, args: &[&str], iterations: &[(&[&str], usize)]) -> Result<Vec<Steps>> {
         let picture = |number: usize| self.file(&format!("iteration-{number}.exr"));
         let mut found = Vec::new();
-        for (number, (iteration, _)) in iterations.iter().enumerate() {
-            let all = [&["--solver", "antiradiance", "--change", "0"], args, *iteration].concat();
+        for (number, (iteration, count)) in iterations.iter().enumerate() {
+            let count = count.to_string();
+            let fixed = ["--solver", "antiradiance", "--change", "0", "--iterations", &count];
+            let all = [&fixed, args, *iteration].concat();
             let report = self.solve(scene, &all)?;
             self.render(&picture(number))?;
             let work = report.antiradiance.context("the report has no figures of antiradiance")?;
