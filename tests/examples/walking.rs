@@ -15,6 +15,9 @@
 //!   at rest;
 //! * `first bounces`: the operator's light, and what the figure changes of one transport of that light, by antiradiance; what
 //!   that changes in turn goes through the operator.
+//!
+//! Light on the figure itself, in a second table: by the operator, which has that of the figure at rest, by antiradiance, by the
+//! operator's light with the difference of antiradiance now and at rest, and by both, as the page has it ([`beside`]).
 
 use anyhow::{Context, Result};
 use glam::{DVec3, Vec3};
@@ -31,7 +34,7 @@ use rebounce::transport::antiradiance::near::{AreaPoint, Near};
 use rebounce::transport::antiradiance::{Pool, patches_of};
 use rebounce_shared::antiradiance::leaving::Leaving;
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
-use rebounce_shared::antiradiance::{AntiradianceSolver, MovingElements, Patch, SolverSettings};
+use rebounce_shared::antiradiance::{AntiradianceSolver, MovingElements, Patch, SolverSettings, beside};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::LightSource;
 use rebounce_shared::lighting::Lighting;
@@ -41,6 +44,8 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Columns of the table.
 const WAYS: [&str; 5] = ["operator", "antiradiance", "difference", "in the page", "first bounces"];
+/// Those of the table of light on the figure.
+const FIGURE_WAYS: [&str; 4] = ["operator", "antiradiance", "difference from rest", "in the page"];
 /// Patches where the light is compared, and paths from each for one of two estimates.
 const PLACES: usize = 400;
 const PATHS: u64 = 512;
@@ -63,6 +68,26 @@ struct AtRest {
     /// Points of the room of the finest level, and their numbers.
     points: Vec<AreaPoint>,
     numbers: Vec<usize>,
+    /// Those of the figure.
+    figure_points: Vec<AreaPoint>,
+    figure_numbers: Vec<usize>,
+}
+
+/// Light of a pose.
+struct Row {
+    patches: usize,
+    /// By way: error and bias of all places of the room, and of those near the figure.
+    room: Vec<[f32; 4]>,
+    /// By way: error and bias on the figure.
+    figure: Vec<[f32; 2]>,
+}
+
+/// Light that is shown where the operator has the figure at rest.
+struct InPage {
+    /// At the patches of the room.
+    room: Vec<Vec3>,
+    /// At those of the figure, by the operator and by antiradiance, of the figure at rest in the present direct light.
+    figure: [Vec<Vec3>; 2],
 }
 
 /// An empty room with its operator.
@@ -111,17 +136,30 @@ fn main() -> Result<()> {
     );
     println!("| seconds | patches | {} |\n|---|---|{}", WAYS.join(" | "), "---|".repeat(WAYS.len()));
     let mut means = vec![[0.0; 4]; WAYS.len()];
+    let mut of_figure = Vec::new();
     for pose in 0..poses {
         let time = walker::SECONDS * (pose as f64 + 0.5) / poses as f64;
-        let (patches, found) = room.row(time)?;
+        let Row { patches, room: found, figure } = room.row(time)?;
         let cells: Vec<String> = found.iter().map(cell).collect();
         println!("| {time:.2} | {patches} | {} |", cells.join(" | "));
         for (sum, own) in means.iter_mut().flatten().zip(found.iter().flatten()) {
             *sum += own / poses as f32;
         }
+        of_figure.push((time, figure));
     }
     let cells: Vec<String> = means.iter().map(cell).collect();
     println!("| mean | | {} |", cells.join(" | "));
+    println!("\nOn the figure:\n");
+    println!("| seconds | {} |\n|---|{}", FIGURE_WAYS.join(" | "), "---|".repeat(FIGURE_WAYS.len()));
+    let mut means = vec![[0.0; 2]; FIGURE_WAYS.len()];
+    let pair = |[error, bias]: &[f32; 2]| format!("{error:.3}, {bias:+.3}");
+    for (time, found) in &of_figure {
+        println!("| {time:.2} | {} |", found.iter().map(pair).collect::<Vec<_>>().join(" | "));
+        for (sum, own) in means.iter_mut().flatten().zip(found.iter().flatten()) {
+            *sum += own / poses as f32;
+        }
+    }
+    println!("| mean | {} |", means.iter().map(pair).collect::<Vec<_>>().join(" | "));
     Ok(())
 }
 
@@ -144,8 +182,7 @@ impl Room {
         Ok(Self { scene, baked, patches, points, settings, at_rest })
     }
 
-    /// Number of patches, and by way the error and the bias of all places, and of those near the figure.
-    fn row(&self, time: f64) -> Result<(usize, Vec<[f32; 4]>)> {
+    fn row(&self, time: f64) -> Result<Row> {
         let (whole, figure) = with_figure(&self.scene, Some(time))?;
         let surfaces = TriangleSurfaces::simplified(&whole);
         let lamps = Lighting::new(&whole.lights, None, whole.origin, 0).lamps;
@@ -169,6 +206,12 @@ impl Room {
         let change = self.smooth(&change);
         let difference: Vec<Vec3> = (0..count).map(|i| by_operator[i] + change[i]).collect();
         let in_page = self.in_page((&surfaces, &lamps), &direct, &with[..count]);
+        let figure = of_figure(
+            (&surfaces, &lamps),
+            [&patches[count..], &self.at_rest.figure],
+            &with[count..],
+            &in_page.figure,
+        );
         let with = self.smooth(&with[..count]);
         let first = self.first_bounces(&direct, &by_operator, [&alone, &both]);
         let away = |i: usize| {
@@ -188,12 +231,12 @@ impl Room {
             })
             .collect();
         let near: Vec<Compared> = all.iter().copied().filter(|place| away(place.patch) < NEAR).collect();
-        let columns = [&by_operator, &with, &difference, &in_page, &first].map(|found| {
+        let columns = [&by_operator, &with, &difference, &in_page.room, &first].map(|found| {
             let [[error, bias], [error_near, bias_near]] =
                 [&all, &near].map(|places| compared(places, found));
             [error, bias, error_near, bias_near]
         });
-        Ok((patches.len(), columns.to_vec()))
+        Ok(Row { patches: patches.len(), room: columns.to_vec(), figure })
     }
 
     /// The light that the page shows: of the operator, which has the figure at rest, and what antiradiance changes of it. `with` is that
@@ -203,8 +246,9 @@ impl Room {
         (surfaces, lamps): (&TriangleSurfaces, &[LightSource]),
         direct: &[Vec3],
         with: &[Vec3],
-    ) -> Vec<Vec3> {
-        let AtRest { baked, figure, patch_of, points, numbers } = &self.at_rest;
+    ) -> InPage {
+        let AtRest { baked, figure, patch_of, points, numbers, figure_points, figure_numbers } =
+            &self.at_rest;
         let count = self.patches.len();
         let lit = baked.points[..baked.direct_count()].par_iter().zip(patch_of);
         let at_points = lit.map(|(point, patch)| match patch {
@@ -212,14 +256,16 @@ impl Room {
             None => at_footprint(surfaces, lamps, point),
         });
         let values = relight::relight(baked, at_points.collect());
-        let values: Vec<Vec3> = numbers.iter().map(|i| values[*i]).collect();
-        let by_operator = at(&self.patches, points, &values);
+        let of = |numbers: &[usize]| numbers.iter().map(|i| values[*i]).collect::<Vec<Vec3>>();
+        let by_operator = at(&self.patches, points, &of(numbers));
+        let on_figure = at(figure, figure_points, &of(figure_numbers));
         let patches = [&self.patches[..], figure].concat();
         let resting = AntiradianceSolver::new(&patches, &self.settings, &Pool);
         let rest = resting.solve(&resting.even_light(direct.to_vec()), &self.settings, &Pool, &mut ()).0;
         let change: Vec<Vec3> = (0..count).map(|i| with[i] - rest[i]).collect();
         let change = self.smooth(&change);
-        (0..count).map(|i| by_operator[i] + change[i]).collect()
+        let room = (0..count).map(|i| by_operator[i] + change[i]).collect();
+        InPage { room, figure: [on_figure, smooth(figure, &rest[count..])] }
     }
 
     /// Prints how much the light of poses changes within `step` seconds.
@@ -338,11 +384,50 @@ impl AtRest {
         };
         let patch_of =
             (0..baked.direct_count()).map(|i| is_figure(i).then(|| nearest(i)).flatten()).collect();
-        let numbers: Vec<usize> = baked.display().filter(|i| !is_figure(*i)).collect();
+        let (figure_numbers, numbers): (Vec<usize>, Vec<usize>) =
+            baked.display().partition(|i| is_figure(*i));
         anyhow::ensure!(numbers.len() < baked.display().len(), "the figure has no points");
-        let points = numbers.iter().map(|i| area_point(&baked, *i)).collect();
-        Ok(Self { baked, figure, patch_of, points, numbers })
+        let [points, figure_points] =
+            [&numbers, &figure_numbers].map(|of| of.iter().map(|i| area_point(&baked, *i)).collect());
+        Ok(Self { baked, figure, patch_of, points, numbers, figure_points, figure_numbers })
     }
+}
+
+/// Error and bias on the figure by [`FIGURE_WAYS`], of its patches now and at rest. `now` is the light of antiradiance at its patches; `at_rest` is as
+/// [`InPage::figure`].
+fn of_figure(
+    (surfaces, lamps): (&TriangleSurfaces, &[LightSource]),
+    [patches, resting]: [&[Patch]; 2],
+    now: &[Vec3],
+    [by_operator, at_rest]: &[Vec<Vec3>; 2],
+) -> Vec<[f32; 2]> {
+    let now = smooth(patches, now);
+    let mut stream = Stream::new(1, 2);
+    let places = (0..PLACES).map(|_| stream.bits() as usize % patches.len()).collect::<Vec<_>>();
+    let place = |patch: &usize| Compared {
+        patch: *patch,
+        area: patches[*patch].area(),
+        truth: [0, 1].map(|seed| traced(surfaces, lamps, &patches[*patch], seed)),
+    };
+    // What is within another limb is dark.
+    let is_seen = |place: &Compared| place.truth.iter().all(|light| *light != Vec3::ZERO);
+    let places: Vec<Compared> = places.par_iter().map(place).filter(is_seen).collect();
+    let all = |light: &dyn Fn(usize) -> Vec3| (0..patches.len()).map(light).collect::<Vec<Vec3>>();
+    let difference = all(&|i| (by_operator[i] + now[i] - at_rest[i]).max(Vec3::ZERO));
+    let in_page = all(&|i| {
+        let departure = beside::departure(&resting[i], &patches[i]);
+        beside::shown(by_operator[i], beside::change(now[i], at_rest[i], departure))
+    });
+    [by_operator, &now, &difference, &in_page].map(|found| compared(&places, found)).to_vec()
+}
+
+/// Means of the values of near patches, at the patches themselves.
+fn smooth(patches: &[Patch], values: &[Vec3]) -> Vec<Vec3> {
+    let places: Vec<AreaPoint> = patches.iter().map(AreaPoint::from).collect();
+    let area: f32 = places.iter().map(|place| place.area).sum();
+    let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
+    let mean = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
+    patches.par_iter().map(mean).collect()
 }
 
 /// A room with the figure at a time of its walk, or at rest, and the figure's patches in the room's local space.

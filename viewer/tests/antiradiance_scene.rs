@@ -103,6 +103,31 @@ fn beside_an_operator_there_is_its_light_at_rest_and_what_a_motion_changes() {
 }
 
 #[test]
+fn what_has_left_its_place_is_lit_by_antiradiance_alone() {
+    let Some(gpu) = common::gpu() else { return };
+    // Points and lamps of both are the same; the panel is white in the picture.
+    let [mut beside, mut alone] = [linked_room(), room_with_panel()].map(|mut scene| {
+        if let Some(panel) = scene.meta.materials.last_mut() {
+            panel.base_color = [1.0; 4];
+        }
+        renderer(&gpu, &scene)
+    });
+    let mut share = |motion: NodeMotion| {
+        let [with, without] = [&mut beside, &mut alone].map(|renderer| {
+            renderer.move_nodes(&[motion]).unwrap();
+            light(renderer, SolverChoice::Antiradiance)
+        });
+        let pixels = with.as_chunks::<3>().0.iter().zip(without.as_chunks::<3>().0);
+        let is_same = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|i| (a[i] - b[i]).abs() < 2e-3 * b[i]);
+        pixels.filter(|(a, b)| is_same((a, b))).count() as f32 / (with.len() / 3) as f32
+    };
+    let [moved, rest] = [turned(40.0), NodeMotion::default()].map(&mut share);
+    println!("the same in {moved} of the pixels, at rest in {rest}");
+    assert!(moved > 0.03 && rest < 0.01, "{moved} {rest}");
+    gpu.check().unwrap();
+}
+
+#[test]
 fn patches_cover_the_surfaces_and_what_moves_has_its_own() {
     let scene = room_with_panel();
     let each = |call: &mut dyn FnMut(SceneTriangle)| triangles(&scene, call);

@@ -23,6 +23,7 @@
 //!
 //! Nothing here starts threads: [`workers`] is what a caller brings.
 
+pub mod beside;
 pub mod bins;
 pub mod cells;
 pub mod cosines;

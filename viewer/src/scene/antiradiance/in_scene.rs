@@ -1,8 +1,8 @@
 //! Antiradiance as the bounced light of a scene: from direct light at its points to light at its points.
 //!
 //! Of a file with an operator, what is shown is the operator's light and what changes by the motion: the difference of two
-//! solutions, with what moves where it is now and where the operator has it. At rest that is the operator's light. Of a file without,
-//! it is the first of them alone.
+//! solutions, with what moves where it is now and where the operator has it. At rest that is the operator's light; what has left its
+//! place has the first solution alone ([`beside`]). So has all of a file without an operator.
 //!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before; a software adapter takes a slice of the bins while
@@ -22,7 +22,7 @@ use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::antiradiance::waves::SLICES;
 use rebounce_shared::antiradiance::{
-    Linking, MovingElements, PartTables, PointPatches, SceneTriangle, Serial, SolverSettings,
+    Linking, MovingElements, PartTables, Patch, PointPatches, SceneTriangle, Serial, SolverSettings, beside,
 };
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::meta::Material;
@@ -161,6 +161,8 @@ struct BesideOperator {
 /// The solver of a scene, with its light.
 pub struct SceneAntiradiance {
     patches: PointPatches,
+    /// Patches that move, at rest.
+    at_rest: Vec<Patch>,
     elements: RefCell<MovingElements>,
     light: RefCell<GpuAntiradiance>,
     beside: Option<BesideOperator>,
@@ -216,6 +218,7 @@ impl SceneAntiradiance {
             Ok::<_, ViewerError>(BesideOperator { at_rest: light.into(), operator, change })
         });
         let beside = beside.transpose()?;
+        let at_rest = elements.patches()[elements.moving()].to_vec();
         elements.follow(&patches.moving(&places(moving, &riders)), &Serial);
         let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
         let counts = AntiradianceCounts {
@@ -229,9 +232,7 @@ impl SceneAntiradiance {
         for (number, point) in (0..).zip(&patches.points) {
             patch_of[*point as usize] = number;
         }
-        let stored = |label, content: &[u32]| {
-            buffer(&own, label, BufferUsages::STORAGE, bytemuck::cast_slice(content))
-        };
+        let stored = |label, content: &[u32]| buffer(&own, label, STORAGE, bytemuck::cast_slice(content));
         let (point_of, patch_of) =
             (stored("points of patches", &patches.points), stored("patches of points", &patch_of));
         let of_glossy: Vec<u32> = glossy.iter().map(|patch| patches.points[*patch as usize]).collect();
@@ -253,8 +254,9 @@ impl SceneAntiradiance {
         let lit_lobes = (!glossy.is_empty()).then(|| dispatch(0, glossy.len()));
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let uniforms = buffer(&own, "points", usage, &uniforms.0);
-        Ok(Self {
+        let out = Self {
             patches,
+            at_rest,
             elements: elements.into(),
             light: light.into(),
             beside,
@@ -276,7 +278,22 @@ impl SceneAntiradiance {
             lit_lobes,
             shown,
             own,
-        })
+        };
+        out.write_departures(gpu, &out.elements.borrow());
+        Ok(out)
+    }
+
+    /// Writes how far each patch that moves has left its place at rest.
+    fn write_departures(&self, gpu: &Gpu, elements: &MovingElements) {
+        if self.beside.is_none() {
+            return;
+        }
+        let now = &elements.patches()[elements.moving()];
+        for ((number, at_rest), now) in (elements.moving().start..).zip(&self.at_rest).zip(now) {
+            let entry = beside::entry(number as u32, beside::departure(at_rest, now));
+            let place = 4 * u64::from(self.patches.points[number]);
+            gpu.queue.write_buffer(&self.patch_of, place, &entry.to_le_bytes());
+        }
     }
 
     /// Bytes on the GPU.
@@ -450,6 +467,7 @@ impl SceneAntiradiance {
             return Ok(false);
         }
         self.light.borrow_mut().follow(gpu, pipelines, &elements, &elements.moving_tables())?;
+        self.write_departures(gpu, &elements);
         self.counts.set(AntiradianceCounts { links: elements.links().iter().sum(), ..self.counts.get() });
         // It may have moved on meanwhile.
         Ok(!self.is_unlinked.get())

@@ -8,9 +8,6 @@
 // What is displayed.
 @group(0) @binding(5) var<storage, read_write> handed_down: array<vec4f>;
 
-// No tilt, as tilt.wgsl packs it: where the light comes from is not known.
-const EVEN = 8421504.0;
-
 @compute @workgroup_size(64)
 fn show_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let k = number_of(group, thread);
@@ -23,5 +20,5 @@ fn show_patches(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_i
         handed_down[i] = vec4f(max(bounced[own].xyz, vec3f(0.0)), EVEN);
         return;
     }
-    handed_down[i] = vec4f(of_parents(i), EVEN);
+    handed_down[i] = vec4f(of_parents(i).xyz, EVEN);
 }
