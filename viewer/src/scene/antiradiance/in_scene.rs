@@ -78,14 +78,14 @@ pub struct AntiradianceCounts {
 
 /// Steps of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Steps {
+enum FrameSteps {
     /// So many steps.
     Whole(u32),
     /// A step of a slice of the bins.
     Slice(usize),
 }
 
-impl Steps {
+impl FrameSteps {
     /// Whole steps; a round of slices is one.
     fn whole(self) -> u32 {
         match self {
@@ -376,8 +376,8 @@ impl SceneAntiradiance {
         let all = |light: &mut GpuAntiradiance, encoder: &mut wgpu::CommandEncoder| {
             light.take_direct(encoder, self.direct.each_ref());
             match steps {
-                Steps::Whole(count) => (0..count).for_each(|_| light.step(encoder, pipelines)),
-                Steps::Slice(slice) => light.step_slice(encoder, pipelines, slice),
+                FrameSteps::Whole(count) => (0..count).for_each(|_| light.step(encoder, pipelines)),
+                FrameSteps::Slice(slice) => light.step_slice(encoder, pipelines, slice),
             }
         };
         all(&mut light, encoder);
@@ -405,12 +405,12 @@ impl SceneAntiradiance {
     }
 
     /// Steps of a frame. Where lamps or places change, a frame of a software adapter has a slice alone.
-    fn steps(&self, is_software: bool) -> Steps {
+    fn steps(&self, is_software: bool) -> FrameSteps {
         let is_changed = self.is_changed.take();
         match is_software {
-            true if is_changed => Steps::Slice(self.slice.replace((self.slice.get() + 1) % SLICES)),
-            true => Steps::Whole(self.left.get().min(1)),
-            false => Steps::Whole(self.left.get().min(STEPS)),
+            true if is_changed => FrameSteps::Slice(self.slice.replace((self.slice.get() + 1) % SLICES)),
+            true => FrameSteps::Whole(self.left.get().min(1)),
+            false => FrameSteps::Whole(self.left.get().min(STEPS)),
         }
     }
 
