@@ -136,7 +136,7 @@ fn main() -> Result<()> {
     );
     println!("| seconds | patches | {} |\n|---|---|{}", WAYS.join(" | "), "---|".repeat(WAYS.len()));
     let mut means = vec![[0.0; 4]; WAYS.len()];
-    let mut of_figure = Vec::new();
+    let mut on_figure = Vec::new();
     for pose in 0..poses {
         let time = walker::SECONDS * (pose as f64 + 0.5) / poses as f64;
         let Row { patches, room: found, figure } = room.row(time)?;
@@ -145,7 +145,7 @@ fn main() -> Result<()> {
         for (sum, own) in means.iter_mut().flatten().zip(found.iter().flatten()) {
             *sum += own / poses as f32;
         }
-        of_figure.push((time, figure));
+        on_figure.push((time, figure));
     }
     let cells: Vec<String> = means.iter().map(cell).collect();
     println!("| mean | | {} |", cells.join(" | "));
@@ -153,7 +153,7 @@ fn main() -> Result<()> {
     println!("| seconds | {} |\n|---|{}", FIGURE_WAYS.join(" | "), "---|".repeat(FIGURE_WAYS.len()));
     let mut means = vec![[0.0; 2]; FIGURE_WAYS.len()];
     let pair = |[error, bias]: &[f32; 2]| format!("{error:.3}, {bias:+.3}");
-    for (time, found) in &of_figure {
+    for (time, found) in &on_figure {
         println!("| {time:.2} | {} |", found.iter().map(pair).collect::<Vec<_>>().join(" | "));
         for (sum, own) in means.iter_mut().flatten().zip(found.iter().flatten()) {
             *sum += own / poses as f32;
@@ -337,22 +337,13 @@ impl Room {
 
     /// Means of the values of near patches of the room, at its patches.
     fn smooth(&self, values: &[Vec3]) -> Vec<Vec3> {
-        self.means(values, self.patches.iter().map(|patch| [patch.position(), patch.normal]).collect())
+        smooth(&self.patches, values)
     }
 
     /// Values of patches of the room at the points that direct light is evaluated at.
     fn at_points(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let points = &self.baked.points[..self.baked.direct_count()];
-        self.means(values, points.iter().map(|point| [point.position(), point.normal()]).collect())
-    }
-
-    /// Means of the values of near patches, at places with normals.
-    fn means(&self, values: &[Vec3], at: Vec<[Vec3; 2]>) -> Vec<Vec3> {
-        let places: Vec<AreaPoint> = self.patches.iter().map(AreaPoint::from).collect();
-        let area: f32 = places.iter().map(|place| place.area).sum();
-        let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
-        let mean = |[place, normal]: &[Vec3; 2]| near.mean(*place, *normal, values).unwrap_or(Vec3::ZERO);
-        at.par_iter().map(mean).collect()
+        let points = self.baked.points[..self.baked.direct_count()].iter();
+        means(&self.patches, values, points.map(|point| [point.position(), point.normal()]).collect())
     }
 
     /// The operator's light, what the figure changes of one transport of it, and the bounces of that change.
@@ -423,11 +414,16 @@ fn of_figure(
 
 /// Means of the values of near patches, at the patches themselves.
 fn smooth(patches: &[Patch], values: &[Vec3]) -> Vec<Vec3> {
+    means(patches, values, patches.iter().map(|patch| [patch.position(), patch.normal]).collect())
+}
+
+/// Means of the values of near patches, at places with normals.
+fn means(patches: &[Patch], values: &[Vec3], at: Vec<[Vec3; 2]>) -> Vec<Vec3> {
     let places: Vec<AreaPoint> = patches.iter().map(AreaPoint::from).collect();
     let area: f32 = places.iter().map(|place| place.area).sum();
     let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
-    let mean = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
-    patches.par_iter().map(mean).collect()
+    let mean = |[place, normal]: &[Vec3; 2]| near.mean(*place, *normal, values).unwrap_or(Vec3::ZERO);
+    at.par_iter().map(mean).collect()
 }
 
 /// A room with the figure at a time of its walk, or at rest, and the figure's patches in the room's local space.

@@ -1,11 +1,11 @@
-//! Antiradiance beside an operator: which light is shown where something has moved.
+//! Antiradiance beside an operator: irradiance for display where something has moved.
 //!
-//! An operator has what moves at rest. Of a patch with a departure s from its place at rest, 0 to 1, the light is
+//! The operator is baked with moving patches at rest. For a patch with departure s from its place at rest, 0 to 1, the irradiance is
 //!
 //!     E = E_now + (1 − s) (E_operator − E_rest)
 //!
-//! with the irradiance by antiradiance now and at rest. What stands has s = 0: errors that both solutions share cancel. What has
-//! moved on is lit elsewhere, and what the operator has for it is of no use there.
+//! with the irradiance by antiradiance now and at rest. Static patches have s = 0: errors shared by both solutions cancel. A patch away
+//! from rest is lit elsewhere; the operator's light of its place at rest is wrong there.
 
 use super::patches::Patch;
 use glam::{Vec3, Vec4};
@@ -13,8 +13,8 @@ use glam::{Vec3, Vec4};
 /// Bits of an entry of the table of patches by point, before those of the departure.
 pub const PATCH_BITS: u32 = 24;
 
-/// How far a patch has left its place at rest: 1 where it is a side of a square of its area away, or turned by 60 degrees, or both in
-/// parts.
+/// Departure of a patch from its place at rest, 0 to 1: distance in sides of a square of its area, plus distance of the unit normals
+/// (1 at 60 degrees).
 pub fn departure(at_rest: &Patch, now: &Patch) -> f32 {
     let side = at_rest.area().sqrt().max(f32::MIN_POSITIVE);
     let way = now.position().distance(at_rest.position()) / side;
@@ -26,12 +26,12 @@ pub fn entry(patch: u32, departure: f32) -> u32 {
     patch | ((255.0 * departure).round() as u32) << PATCH_BITS
 }
 
-/// What is shown beside the operator's light: RGB to add, and the share of the operator's light to leave out.
+/// Change of the operator's irradiance: RGB to add, and in w the share of the operator's irradiance to remove.
 pub fn change(now: Vec3, at_rest: Vec3, departure: f32) -> Vec4 {
     (now - (1.0 - departure) * at_rest).extend(departure)
 }
 
-/// Irradiance that is shown, of the operator's and a [`change`].
+/// Irradiance for display, from the operator's and a [`change`].
 pub fn shown(by_operator: Vec3, change: Vec4) -> Vec3 {
     ((1.0 - change.w) * by_operator + change.truncate()).max(Vec3::ZERO)
 }

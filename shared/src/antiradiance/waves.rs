@@ -8,8 +8,8 @@
 //! The order is for speed alone: sweeps in any order come to the same light. What moves has waves of its own, before those of what
 //! stands ([`MovingElements`](super::MovingElements)): they are short, and those of what stands need not be made anew.
 //!
-//! Bins are independent of each other within a sweep. The items of a wave are sorted into slices of the bins, so that a frame with
-//! little time sweeps a slice of them.
+//! Bins are independent of each other within a sweep. Items of a wave are sorted by slice of the bins ([`SLICES`]): a frame can sweep
+//! one slice.
 
 use super::bins::Bins;
 use super::cells::Cells;
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// Bit of an item that is the sum of a cluster's children.
 pub const PULL: u32 = 1 << 31;
 
-/// Slices of the bins: of a slice is every `SLICES`th bin, so that each has directions all around.
+/// Number of slices of the bins. Bin b is in slice b mod `SLICES`: a slice has directions all around.
 pub const SLICES: usize = 4;
 
 /// Cells of the tables, wave by wave.

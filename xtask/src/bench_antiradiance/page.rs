@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Functions asked for in the office, all of one level: its points and the clusters above them are the paper's 18,200 elements.
-const OFFICE_POINTS: &str = "9400";
+const OFFICE_FUNCTIONS: &str = "9400";
 
 /// Output of web/bench/figure.mjs.
 #[derive(Debug, Deserialize)]
@@ -67,7 +67,7 @@ pub fn run() -> Result<()> {
         &walk,
     )?;
     bake(
-        &["builtin:office", "--solver", "radiosity", "--levels", "1", "--functions", OFFICE_POINTS],
+        &["builtin:office", "--solver", "radiosity", "--levels", "1", "--functions", OFFICE_FUNCTIONS],
         &office,
     )?;
     let shot = process::root().join("web/site/shots/walk.json");

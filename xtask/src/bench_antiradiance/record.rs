@@ -185,7 +185,7 @@ impl Recorder {
         Ok(format!("| radiosity | – | – | – | – | – | – | – | – | {error:.3} | {bias:+.3} |"))
     }
 
-    /// Solves by each iteration with these arguments and so many steps; the last one is what the others are compared with.
+    /// Solves by each iteration, given by its arguments and its number of steps, and compares the pictures with the last iteration's.
     ///
     /// # Errors
     /// If a command fails.

@@ -1,15 +1,16 @@
 //! Antiradiance as the bounced light of a scene: from direct light at its points to light at its points.
 //!
-//! Of a file with an operator, what is shown is the operator's light and what changes by the motion: the difference of two
-//! solutions, with what moves where it is now and where the operator has it. At rest that is the operator's light; what has left its
-//! place has the first solution alone ([`beside`]). So has all of a file without an operator.
+//! A file with an operator shows the operator's light plus the difference of two solutions, with moving patches where they are now and
+//! at rest. At rest the display is the operator's light; moving patches away from rest display the first solution alone ([`beside`]), as
+//! all points of a file without an operator do.
 //!
 //! Patches stand for points of two levels ([`PointPatches`]): one for what stands, one for what moves. A few steps are
 //! taken in every frame, and the light goes on from that of the frame before; a software adapter takes a slice of the bins while
 //! lamps or places change, the same in both solutions. After a motion the links of what moves are made
-//! anew, on the CPU, and all else stays. The first links of all are made piece by piece ([`Preparation`]), with the light as it was
-//! before meanwhile.
+//! anew, on the CPU, and all else stays. The first links are made piece by piece ([`Preparation`](super::Preparation)), with the
+//! light as it was before meanwhile.
 
+use super::preparation::Prepared;
 use super::{AntiradiancePipelines, BinsDispatch, GpuAntiradiance, STORAGE, Uniforms, run};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
@@ -21,20 +22,12 @@ use crate::scene::rig::GpuRig;
 use crate::scene::upload::Upload;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::antiradiance::waves::SLICES;
-use rebounce_shared::antiradiance::{
-    Linking, MovingElements, PartTables, Patch, PointPatches, SceneTriangle, Serial, SolverSettings, beside,
-};
+use rebounce_shared::antiradiance::{MovingElements, Patch, PointPatches, Serial, beside};
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::rbn::meta::Material;
 use std::cell::{Cell, RefCell};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use wgpu::BufferUsages;
 
-/// Greatest number of patches: of static surfaces, and of moving ones.
-const MOST: [usize; 2] = [4_096, 128];
-/// Bins of scenes with at most [`MOST`] patches, and of scenes with more patches.
-const BINS: usize = 256;
-const FEWER_BINS: usize = 128;
 /// Steps of a frame.
 const STEPS: u32 = 2;
 /// Steps until light is taken for that of the present lamps and places: an ordered step leaves two thirds of the difference or less.
@@ -95,64 +88,12 @@ impl FrameSteps {
     }
 }
 
-/// Patches and unfinished links of a scene at rest.
-pub struct Preparation {
-    patches: PointPatches,
-    linking: Box<Linking>,
-}
-
-/// Patches of a scene with all links.
-pub struct Prepared {
-    patches: PointPatches,
-    elements: MovingElements,
-    /// Tables of what stands.
-    still: PartTables,
-}
-
-impl Preparation {
-    /// Chooses the patches.
-    pub fn new((moving, rig): (&Moving, Option<&GpuRig>), upload: &Upload) -> Self {
-        let scene = moving.file();
-        let riders = rig.map_or(HashMap::new(), GpuRig::ridden);
-        let moves = |i: usize| riders.contains_key(&i) || scene.groups.node_of(scene.group_of(i)).is_some();
-        let deforming = rig.map_or(HashSet::new(), GpuRig::deforming);
-        let each = |call: &mut dyn FnMut(SceneTriangle)| {
-            upload.triangles.each(|run, vertices, corners| {
-                let roughness = metal_roughness(&scene.meta.materials[run.material as usize]);
-                let group = scene.groups.of_material(run.material);
-                let moves = scene.groups.node_of(group).is_some() || deforming.contains(&vertices[0]);
-                call(SceneTriangle { corners, is_two_sided: !run.one_sided, roughness, moves });
-            });
-        };
-        let motions = moving.motions();
-        // The triangles on the CPU are where the nodes are, and in no pose.
-        let placed = |point| moving.placed_point(&motions, point);
-        let patches = PointPatches::new(scene, &moves, MOST, (&each, &placed));
-        let at_rest = |point: usize| [scene.points[point].position(), scene.points[point].normal()];
-        let is_small = patches.points.len() <= MOST.iter().sum();
-        let bins = if is_small { BINS } else { FEWER_BINS };
-        let settings = SolverSettings { bins, ..SolverSettings::default() };
-        let linking = Linking::new(patches.patches(&at_rest), patches.still, settings);
-        Self { patches, linking }
-    }
-
-    /// Computes about `work` links ([`Linking::advance`]). Returns the patches with complete links.
-    ///
-    /// # Errors
-    /// The unfinished preparation.
-    pub fn advance(self, work: usize) -> Result<Prepared, Self> {
-        let Self { patches, linking } = self;
-        match linking.advance(work) {
-            Ok((elements, still)) => Ok(Prepared { patches, elements, still }),
-            Err(linking) => Err(Self { patches, linking }),
-        }
-    }
-}
-
 /// What is shown beside an operator.
 struct BesideOperator {
     /// The light with what moves at rest.
     at_rest: RefCell<GpuAntiradiance>,
+    /// Patches that move, at rest.
+    moving: Vec<Patch>,
     /// By point: light of the operator, and what changes of it.
     operator: wgpu::Buffer,
     change: wgpu::Buffer,
@@ -161,8 +102,6 @@ struct BesideOperator {
 /// The solver of a scene, with its light.
 pub struct SceneAntiradiance {
     patches: PointPatches,
-    /// Patches that move, at rest.
-    at_rest: Vec<Patch>,
     elements: RefCell<MovingElements>,
     light: RefCell<GpuAntiradiance>,
     beside: Option<BesideOperator>,
@@ -213,12 +152,12 @@ impl SceneAntiradiance {
         let colours = |label, count: usize| empty_buffer(&own, label, STORAGE, 16 * count as u64);
         let beside = relight.is_linked().then(|| {
             let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
+            let moving = elements.patches()[elements.moving()].to_vec();
             let count = scene.points.len();
             let [operator, change] = ["operator", "change"].map(|label| colours(label, count));
-            Ok::<_, ViewerError>(BesideOperator { at_rest: light.into(), operator, change })
+            Ok::<_, ViewerError>(BesideOperator { at_rest: light.into(), moving, operator, change })
         });
         let beside = beside.transpose()?;
-        let at_rest = elements.patches()[elements.moving()].to_vec();
         elements.follow(&patches.moving(&places(moving, &riders)), &Serial);
         let light = GpuAntiradiance::of_moving(gpu, pipelines, &elements, &still)?;
         let counts = AntiradianceCounts {
@@ -256,7 +195,6 @@ impl SceneAntiradiance {
         let uniforms = buffer(&own, "points", usage, &uniforms.0);
         let out = Self {
             patches,
-            at_rest,
             elements: elements.into(),
             light: light.into(),
             beside,
@@ -285,11 +223,9 @@ impl SceneAntiradiance {
 
     /// Writes how far each patch that moves has left its place at rest.
     fn write_departures(&self, gpu: &Gpu, elements: &MovingElements) {
-        if self.beside.is_none() {
-            return;
-        }
+        let Some(BesideOperator { moving, .. }) = &self.beside else { return };
         let now = &elements.patches()[elements.moving()];
-        for ((number, at_rest), now) in (elements.moving().start..).zip(&self.at_rest).zip(now) {
+        for ((number, at_rest), now) in (elements.moving().start..).zip(moving).zip(now) {
             let entry = beside::entry(number as u32, beside::departure(at_rest, now));
             let place = 4 * u64::from(self.patches.points[number]);
             gpu.queue.write_buffer(&self.patch_of, place, &entry.to_le_bytes());
@@ -346,7 +282,7 @@ impl SceneAntiradiance {
         self.left.get() > 0
     }
 
-    /// Encodes some steps, and shows their light; makes some of the links of what has moved, `work` as [`Linking::advance`] has it;
+    /// Encodes some steps, and shows their light; makes some of the links of what has moved, `work` as [`MovingElements::advance`] has it;
     /// timestamps are written at the begin of the first pass and the end of the last.
     ///
     /// # Errors
@@ -492,12 +428,6 @@ impl SceneAntiradiance {
 
 fn timed(stamps: Option<wgpu::ComputePassTimestampWrites<'_>>) -> wgpu::ComputePassDescriptor<'_> {
     wgpu::ComputePassDescriptor { label: Some("patches"), timestamp_writes: stamps }
-}
-
-/// Roughness of a material that is metal everywhere.
-fn metal_roughness(material: &Material) -> Option<f32> {
-    let is_metal = material.metallic > 0.5 && material.metallic_roughness_texture.is_none();
-    is_metal.then_some(material.roughness)
 }
 
 /// Places of points where their nodes are; `riders` have those of points on what deforms.

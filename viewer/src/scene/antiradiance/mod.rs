@@ -2,7 +2,8 @@
 //!
 //! * here: buffers, their contents, and the dispatches;
 //! * `links` – the links, those of what moves apart;
-//! * `in_scene` – patches of a scene's points, and the light between both;
+//! * `preparation` – patches of a scene and their first links;
+//! * `in_scene` – light between the points of a scene and their patches;
 //! * `pipelines` – the compute pipelines.
 //!
 //! The tables of incident radiance and of exitant intensity stay between frames: light that changes goes on from the light
@@ -15,9 +16,11 @@
 mod in_scene;
 mod links;
 mod pipelines;
+mod preparation;
 
-pub use in_scene::{AntiradianceCounts, Lamps, Preparation, SceneAntiradiance};
+pub use in_scene::{AntiradianceCounts, Lamps, SceneAntiradiance};
 pub use pipelines::AntiradiancePipelines;
+pub use preparation::Preparation;
 
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
@@ -394,8 +397,8 @@ impl GpuAntiradiance {
         self.step += 1;
     }
 
-    /// Encodes a step of the ordered iteration in which light between what stands goes through a slice of the bins, of
-    /// [`SLICES`]; that of the others stays. A step of another iteration is whole.
+    /// Encodes a step of the ordered iteration whose static waves cover a slice of the bins, of [`SLICES`]; incident radiance of
+    /// other bins stays. Other iterations step whole.
     pub fn step_slice(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
