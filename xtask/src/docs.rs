@@ -1,7 +1,8 @@
 //! `cargo xtask docs`: checks the documentation. Relative links lead to files and headings that are there, prose keeps to
-//! 100 columns, and every decision is in the index.
+//! 100 columns, and every decision is in the index. In comments of the code no text is indented like code without a fence:
+//! it would be compiled as an example.
 
-use crate::process;
+use crate::{process, sources};
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,13 @@ pub fn run() -> Result<()> {
         faults.extend(dead_links(file, &text).into_iter().map(|link| format!("{name}: dead link {link}")));
     }
     faults.extend(unlisted(&root.join("docs/decisions"))?);
+    for file in sources::all_files()? {
+        let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+        let name = file.strip_prefix(&root).unwrap_or(&file).display().to_string();
+        let fault =
+            |line| format!("{name}:{line}: an indented block is an example to rustdoc: write ```text");
+        faults.extend(indented(&text).map(fault));
+    }
     if !faults.is_empty() {
         bail!("documentation:\n  {}", faults.join("\n  "));
     }
@@ -48,6 +56,21 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Lines of doc comments with indented blocks: four spaces or more after an empty line.
+fn indented(text: &str) -> impl Iterator<Item = usize> {
+    let comment = |line: &str| {
+        let line = line.trim_start();
+        line.strip_prefix("//!").or_else(|| line.strip_prefix("///")).map(str::to_owned)
+    };
+    let mut was_empty = false;
+    text.lines().map(comment).enumerate().filter_map(move |(i, content)| {
+        let is_indented = content.as_ref().is_some_and(|content| content.starts_with("     "));
+        let is_found = was_empty && is_indented;
+        was_empty = content.is_some_and(|content| content.trim().is_empty());
+        is_found.then_some(i + 1)
+    })
 }
 
 /// Lines of prose, without code blocks, of a text.
@@ -141,6 +164,12 @@ mod tests {
         let text =
             format!("short\n{long}\n```\n{long}\n```\n| {long} |\n![{long}](a.png)\n{}", "x".repeat(150));
         assert_eq!(wide(&text).collect::<Vec<_>>(), [2]);
+    }
+
+    #[test]
+    fn indented_blocks_of_comments_are_found_and_fenced_ones_and_lists_are_not() {
+        let text = "/// A.\n///\n///     a = b\n/// ```text\n///     a\n/// ```\n/// - c\n///     d\n";
+        assert_eq!(indented(text).collect::<Vec<_>>(), [3]);
     }
 
     #[test]

@@ -31,6 +31,18 @@ pub fn parsed(folder: &Path) -> Result<Vec<(PathBuf, syn::File)>> {
     files.into_iter().map(parse).collect()
 }
 
+/// The Rust files of all checked crates, without those of tests.
+///
+/// # Errors
+/// If a folder cannot be read.
+pub fn all_files() -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for name in CRATES {
+        list(&of(name), &mut files)?;
+    }
+    Ok(files)
+}
+
 /// Lists the Rust files under a folder, without tests.
 fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;

@@ -2,7 +2,9 @@
 //!
 //! The operator is baked with moving patches at rest. For a patch with departure s from its place at rest, 0 to 1, the irradiance is
 //!
-//!     E = E_now + (1 − s) (E_operator − E_rest)
+//! ```text
+//! E = E_now + (1 − s) (E_operator − E_rest)
+//! ```
 //!
 //! with the irradiance by antiradiance now and at rest. Static patches have s = 0: errors shared by both solutions cancel. A patch away
 //! from rest is lit elsewhere; the operator's light of its place at rest is wrong there.
