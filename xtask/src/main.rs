@@ -81,8 +81,7 @@ cargo xtask bench-antiradiance [--spp N | --page]
                      with plots. Half an hour. --page: in headless Chromium; writes docs/reports/antiradiance-page.md
 cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
                      exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
-                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: minutes, without
-                     the rows of triangles, and noisier errors
+                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: noisier errors
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask bench-gloss [--quick] [--scenes DIR]

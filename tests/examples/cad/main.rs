@@ -1,10 +1,10 @@
 //! Figures of exact surfaces as tables of Markdown, for `cargo xtask bench-cad`:
 //!
-//! `cad [--rays N] [--quick] [FILE.step ...]`, or
+//! `cad [--rays N] [--quick] [--wavelets SCENE,SCENE] [FILE.step ...]`, or
 //! `cad --coarse COUNT OUT.rbn FILE.step`, which bakes a file as about COUNT triangles
 //!
 //! Rays against exact faces and against tessellations; wavelet radiosity on exact faces and on triangles, in the columns of
-//! Alonso et al. 2001, with errors against a path tracer.
+//! Alonso et al. 2001, with errors against a path tracer. `--wavelets` prints the tables of these generated scenes alone.
 
 mod coarse;
 mod rays;
@@ -22,12 +22,13 @@ const CHORD: f32 = 1e-4;
 
 fn main() -> Result<()> {
     let (mut files, mut rays, mut is_quick) = (Vec::new(), RAYS, false);
-    let mut coarse = None;
+    let (mut coarse, mut tables) = (None, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--rays" => rays = arguments.next().context("--rays needs a number")?.parse()?,
             "--quick" => is_quick = true,
+            "--wavelets" => tables = Some(arguments.next().context("--wavelets needs names of scenes")?),
             "--coarse" => {
                 let count = arguments.next().context("--coarse needs a number")?.parse()?;
                 coarse = Some((count, arguments.next().context("which file is written?")?));
@@ -37,6 +38,9 @@ fn main() -> Result<()> {
     }
     if let Some((count, out)) = coarse {
         return coarse::write(files.first().context("which file?")?, count, out.as_ref());
+    }
+    if let Some(names) = tables {
+        return wavelets::tables(&names.split(',').collect::<Vec<_>>(), is_quick);
     }
     let builtin = SCENES.iter().map(|name| format!("builtin:{name}"));
     let load = |spec: String| {
@@ -58,5 +62,5 @@ fn main() -> Result<()> {
     println!("One thread, rays that leave surfaces, against the triangles that look alike.\n");
     rays::speed(&scenes)?;
     println!("\n## Wavelet radiosity\n");
-    wavelets::tables(&["teapot", "tori"], is_quick)
+    wavelets::tables(&SCENES, is_quick)
 }

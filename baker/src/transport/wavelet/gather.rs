@@ -5,7 +5,7 @@ use super::emitter_cell::EmitterCell;
 use super::patch::PatchPoint;
 use super::settings::Tolerance;
 use crate::geometry::Surfaces;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Part of the tolerance of receivers that the quadrature over emitters has: its errors must not look like
@@ -32,6 +32,12 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     /// Rays cast so far.
     pub(super) fn rays(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)
+    }
+
+    /// Whether nothing is between two points, not even glass.
+    pub(super) fn is_clear(&self, a: DVec3, b: DVec3) -> bool {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.surfaces.transmittance(a.as_vec3(), b.as_vec3()) == Vec3::ONE
     }
 
     /// Transmittance between the nearest real points of two points, each a safe offset above its surface.

@@ -11,6 +11,7 @@
 //! | `tree` | irradiance in quadtrees: push, pull, residuals |
 //! | `emitter`, `emitter_cell`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
 //! | `clusters`, `light_tree` | many small patches that shoot together |
+//! | `gather_clusters` | many small patches that receive at one point |
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
@@ -27,6 +28,7 @@ mod emitter_cell;
 mod fixed;
 mod form_factor;
 mod gather;
+mod gather_clusters;
 mod light_tree;
 pub mod lightmap;
 mod patch;

@@ -4,6 +4,7 @@ use super::basis::Basis;
 use super::clusters::Clusters;
 use super::emitter::{Emitter, Radiosity, ShootingPatch};
 use super::gather::PatchVisibility;
+use super::gather_clusters::representatives;
 use super::patch::{PatchPoint, PlacedPatch, WaveletPatch};
 use super::receive::PatchReceiver;
 use super::settings::{Tolerance, WaveletError, WaveletSettings};
@@ -63,7 +64,7 @@ pub fn solve_until<S: Surfaces>(
         .map(|(i, patch)| PlacedPatch::new(patch, i))
         .collect::<Result<_, _>>()?;
     let visibility = PatchVisibility::new(surfaces);
-    let mut scene = Shooting::new(&patches, &basis, settings);
+    let mut scene = Shooting::new(&patches, &basis, settings, &visibility);
     scene.light_directly(&|point: &PatchPoint| {
         direct(point.seen_from.as_vec3(), point.seen_normal.as_vec3()).as_dvec3()
     });
@@ -117,6 +118,8 @@ struct Shooting<'a> {
     basis: &'a Basis,
     settings: WaveletSettings,
     clusters: Clusters,
+    /// By patch, the one at whose middle it receives from patches.
+    representatives: Vec<usize>,
     trees: Vec<Tree>,
     /// Power of the patches' own light that has not been shot.
     emission: Vec<DVec3>,
@@ -127,7 +130,12 @@ struct Shooting<'a> {
 }
 
 impl<'a> Shooting<'a> {
-    fn new(patches: &'a [PlacedPatch<'a>], basis: &'a Basis, settings: &'a WaveletSettings) -> Self {
+    fn new<S: Surfaces>(
+        patches: &'a [PlacedPatch<'a>],
+        basis: &'a Basis,
+        settings: &'a WaveletSettings,
+        visibility: &PatchVisibility<S>,
+    ) -> Self {
         let functions = basis.order().functions();
         let clusters = Clusters::new(patches);
         let min_cell_area = settings.min_cell_area.max(clusters.least_area);
@@ -136,6 +144,7 @@ impl<'a> Shooting<'a> {
             patches,
             basis,
             settings,
+            representatives: representatives(patches, clusters.least_area, &|a, b| visibility.is_clear(a, b)),
             clusters,
             trees: patches.par_iter().map(|patch| Tree::new(functions, patch.mesh)).collect(),
             emission: patches.iter().map(|patch| patch.real_area * patch.emission).collect(),
@@ -187,15 +196,17 @@ impl<'a> Shooting<'a> {
         patch.real_area < self.clusters.least_area
     }
 
-    /// Adds what all patches have received.
-    fn merge(&mut self, received: Vec<Option<ReceivedTree>>, arrival: Arrival) {
-        let add = |(index, (tree, received)): (usize, (&mut Tree, Option<ReceivedTree>))| {
+    /// Adds what all patches have received. A patch has received what its representative has, of lamps what it has itself.
+    fn merge(&mut self, received: &[Option<ReceivedTree>], arrival: Arrival) {
+        let add = |(index, tree): (usize, &mut Tree)| {
             let patch = &self.patches[index];
-            let mean = received
-                .map_or(DVec3::ZERO, |received| tree.merge(&received, arrival, patch.mesh, self.basis));
+            let at = if arrival == Arrival::Lamps { index } else { self.representatives[index] };
+            let mean = received[at]
+                .as_ref()
+                .map_or(DVec3::ZERO, |received| tree.merge(received, arrival, patch.mesh, self.basis));
             patch.area * patch.albedo * mean
         };
-        let powers: Vec<DVec3> = self.trees.par_iter_mut().zip(received).enumerate().map(add).collect();
+        let powers: Vec<DVec3> = self.trees.par_iter_mut().enumerate().map(add).collect();
         for (sum, power) in self.reflection.iter_mut().zip(powers) {
             *sum += power;
         }
@@ -228,8 +239,8 @@ impl<'a> Shooting<'a> {
                 PatchReceiver { patch, basis, settings, light: direct, tolerance, searched: SEARCHED };
             if self.is_small(patch) { receiver.receive_in_the_middle() } else { receiver.receive() }
         });
-        let received = received.collect();
-        self.merge(received, Arrival::Lamps);
+        let received: Vec<_> = received.collect();
+        self.merge(&received, Arrival::Lamps);
     }
 
     /// Some patches shoot.
@@ -260,7 +271,8 @@ impl<'a> Shooting<'a> {
         let tolerance = self.tolerance((power * initial).sqrt());
         let to = |(index, patch): (usize, &PlacedPatch)| {
             let is_itself = shooters == [index];
-            if is_itself && patch.mesh.is_planar()
+            if self.representatives[index] != index
+                || is_itself && patch.mesh.is_planar()
                 || patch.is_behind(emitter.ball)
                 || emitter.is_behind(patch.ball)
             {
@@ -281,7 +293,7 @@ impl<'a> Shooting<'a> {
                 receiver.receive()
             }
         };
-        let received = self.patches.par_iter().enumerate().map(to).collect();
-        self.merge(received, arrival);
+        let received: Vec<_> = self.patches.par_iter().enumerate().map(to).collect();
+        self.merge(&received, arrival);
     }
 }
