@@ -79,9 +79,10 @@ cargo xtask bench-radiosity [--functions N] [SCENE ...]
 cargo xtask bench-antiradiance [--spp N | --page]
                      antiradiance against the path tracer, by bins, elements and iterations; writes docs/reports/antiradiance.md
                      with plots. Half an hour. --page: in headless Chromium; writes docs/reports/antiradiance-page.md
-cargo xtask bench-cad [--rays N] [--quick] [FILE.step ...]
+cargo xtask bench-cad [--rays N] [--quick] [--wavelets SCENE,SCENE] [FILE.step ...]
                      exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
-                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: noisier errors
+                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: noisier errors;
+                     --wavelets: only prints tables of wavelet radiosity of these generated scenes
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask bench-gloss [--quick] [--scenes DIR]

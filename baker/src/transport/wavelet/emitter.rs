@@ -77,7 +77,8 @@ impl<'a> Emitter<'a> {
         let (centre, radius) = patch.ball;
         let between = centre - self.ball.0;
         let nearest = (between.length() - radius).max(0.0);
-        let most = self.root.bound(self.ball.0 + nearest * between.normalize_or_zero());
+        let at = self.ball.0 + nearest * between.normalize_or_zero();
+        let most = self.root.bound_at(self.root.distance_from_ball(at));
         let distance = (nearest - self.ball.1).max(0.0);
         let share = if patch.mesh.is_planar() { (VARIATION * radius / distance).min(1.0) } else { 1.0 };
         // Nothing is far enough from itself.

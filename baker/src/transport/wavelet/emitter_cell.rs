@@ -35,8 +35,14 @@ pub(super) struct EmitterCell {
     quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
     pub ball: (DVec3, f64),
+    /// Box around the cell: of a plane around its corners, else around the ball.
+    pub bounds: Bounds,
     pub(super) children: OnceLock<Vec<EmitterCell>>,
 }
+
+/// Lower and upper corner of an axis-aligned box. Slivers side by side, as those of a cylinder, have much smaller boxes than
+/// balls.
+pub(super) type Bounds = [DVec3; 2];
 
 /// A quadrature point.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +106,10 @@ impl EmitterCell {
         let corner = |x: f64, y: f64| patch.point(cell.at(DVec2::new(x, y))).position;
         let around = || [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
         let corners = patch.mesh.is_planar().then(around);
+        let bounds = corners.map_or([centre - ball.1, centre + ball.1], |corners| {
+            let around = |limit: fn(DVec3, DVec3) -> DVec3| corners.into_iter().fold(corners[0], limit);
+            [around(DVec3::min), around(DVec3::max)]
+        });
         let children = OnceLock::new();
         let member = Some(member);
         Self {
@@ -112,6 +122,7 @@ impl EmitterCell {
             corners,
             quarter_area: area,
             ball,
+            bounds,
             children,
         }
     }
@@ -120,6 +131,7 @@ impl EmitterCell {
     pub(super) fn several(
         points: [QuadraturePoint; POINTS],
         ball: (DVec3, f64),
+        bounds: Bounds,
         children: Vec<EmitterCell>,
     ) -> Self {
         Self {
@@ -132,6 +144,7 @@ impl EmitterCell {
             corners: None,
             quarter_area: 0.0,
             ball,
+            bounds,
             children: OnceLock::from(children),
         }
     }
@@ -154,8 +167,7 @@ impl EmitterCell {
     /// Whether a point is so near that quadrature points may all face away from it, or lie below its horizon,
     /// where others do not. Planes have Lambert's formula there.
     pub(super) fn may_hide_between_points(&self, position: DVec3) -> bool {
-        let (centre, radius) = self.ball;
-        self.corners.is_none() && position.distance_squared(centre) < radius * radius
+        self.corners.is_none() && self.distance(position) <= 0.0
     }
 
     /// The greatest radiosity of its quadrature points.
@@ -163,11 +175,25 @@ impl EmitterCell {
         self.points().map(|point| point.radiosity.abs().max_element()).fold(0.0, f64::max)
     }
 
-    /// The most irradiance it can give to any point at this distance from its centre: of what is nearest,
-    /// facing it.
-    pub(super) fn bound(&self, position: DVec3) -> f64 {
+    /// Distance of a point from its ball, or from its box if that is farther; 0 inside of both.
+    fn distance(&self, position: DVec3) -> f64 {
+        let [low, high] = self.bounds;
+        position.distance(position.clamp(low, high)).max(self.distance_from_ball(position))
+    }
+
+    /// Distance of a point from its ball; 0 inside.
+    pub(super) fn distance_from_ball(&self, position: DVec3) -> f64 {
         let (centre, radius) = self.ball;
-        let distance = (position.distance(centre) - radius).max(0.0);
+        (position.distance(centre) - radius).max(0.0)
+    }
+
+    /// The most irradiance it can give to a point.
+    pub(super) fn bound(&self, position: DVec3) -> f64 {
+        self.bound_at(self.distance(position))
+    }
+
+    /// The most irradiance it can give to any point at this distance: if all of it is so near, facing the point.
+    pub(super) fn bound_at(&self, distance: f64) -> f64 {
         let power: f64 = self.points().map(|point| point.area * point.radiosity.abs().max_element()).sum();
         power / (PI * distance * distance)
     }

@@ -8,8 +8,8 @@ use super::clusters::{halves, place_of};
 use super::patch::{PatchPoint, PlacedPatch};
 use glam::DVec3;
 
-/// Greatest area, part of the least area of cells that are divided: that of the cells they are divided into.
-const CLUSTER_AREA: f64 = 0.25;
+/// Greatest area, part of the least area of cells that are divided: between that of the cells they are divided into and their own.
+const CLUSTER_AREA: f64 = 0.5;
 /// Greatest distance from the representative, part of the side of a square of the least area.
 const REACH: f64 = 0.5;
 /// Greatest difference of unit normals.

@@ -56,7 +56,9 @@ fn of_slice(
         None => QuadraturePoint { area: 0.0, radiosity: DVec3::ZERO, ..children[0].any_point() },
     };
     let points = [0, 1, 2, 3].map(of_child);
-    EmitterCell::several(points, ball, children)
+    let bounds = children.iter().map(|child| child.bounds);
+    let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default();
+    EmitterCell::several(points, ball, bounds, children)
 }
 
 /// A point of a cell that has all of its power: one of its points, by chance in proportion to their powers.
