@@ -17,6 +17,8 @@ const ELEMENTS: [usize; 4] = [3_000, 6_000, 12_000, 24_000];
 /// What the other stays at.
 const BINS_OF_ELEMENTS: usize = 256;
 const ELEMENTS_OF_BINS: usize = 8_000;
+/// ε of radiosity: the default, and one for shelves, where light varies much in little space.
+const EPSILONS: [&str; 2] = ["0.25", "0.05"];
 /// Scenes, and the bins and elements of their figure in the paper.
 const SCENES: [(&str, usize, usize); 2] = [("office", 208, 45_000), ("maze", 1024, 6_088)];
 /// Iterations of the convergence plot: arguments of the command, how they are called, and steps of an iteration.
@@ -64,9 +66,10 @@ pub fn run(args: &[String]) -> Result<()> {
             recorder.measured(scene, &["--bins", &bins, "--elements", &elements])
         };
         let paper = solve(bins, elements)?;
-        let other = recorder.radiosity(scene)?;
-        page.push(format!("## {scene}\n\nAt the paper's settings, and by radiosity with visibility:\n"));
-        page.push(format!("{}\n{}\n{other}", Solved::HEAD, paper.row()));
+        let other: Vec<String> =
+            EPSILONS.iter().map(|epsilon| recorder.radiosity(scene, epsilon)).collect::<Result<_>>()?;
+        page.push(format!("## {scene}\n\nAt the paper's settings, and by radiosity with visibility:"));
+        page.push(format!("{}\n{}\n{}", Solved::HEAD, paper.row(), other.join("\n")));
         let rows: Vec<Solved> =
             BINS.iter().map(|bins| solve(*bins, ELEMENTS_OF_BINS)).collect::<Result<_>>()?;
         page.push(format!("By bins:\n\n{}", table(&rows)));

@@ -175,14 +175,14 @@ impl Recorder {
         Ok(Solved { work, error, bias })
     }
 
-    /// The row of radiosity with visibility.
+    /// The row of radiosity with visibility, with this variation of light that refines a function.
     ///
     /// # Errors
     /// If a command fails.
-    pub fn radiosity(&self, scene: &str) -> Result<String> {
-        self.solve(scene, &[])?;
+    pub fn radiosity(&self, scene: &str, epsilon: &str) -> Result<String> {
+        self.solve(scene, &["--epsilon", epsilon])?;
         let (error, bias) = self.error(scene)?;
-        Ok(format!("| radiosity | – | – | – | – | – | – | – | – | {error:.3} | {bias:+.3} |"))
+        Ok(format!("| radiosity, ε {epsilon} | – | – | – | – | – | – | – | – | {error:.3} | {bias:+.3} |"))
     }
 
     /// Solves by each iteration, given by its arguments and its number of steps, and compares the pictures with the last iteration's.

@@ -3,6 +3,7 @@
 use super::basis::{Basis, Coefficients};
 use super::cell::Cell;
 use super::form_factor::form_factor;
+use super::node_bounds::{Facing, NodeBounds};
 use super::patch::{PatchPoint, PlacedPatch};
 use glam::{DVec2, DVec3};
 use rebounce_cad::trim::Coverage;
@@ -35,14 +36,9 @@ pub(super) struct EmitterCell {
     quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
     pub ball: (DVec3, f64),
-    /// Box around the cell: of a plane around its corners, else around the ball.
-    pub bounds: Bounds,
+    pub bounds: NodeBounds,
     pub(super) children: OnceLock<Vec<EmitterCell>>,
 }
-
-/// Lower and upper corner of an axis-aligned box. Slivers side by side, as those of a cylinder, have much smaller boxes than
-/// balls.
-pub(super) type Bounds = [DVec3; 2];
 
 /// A quadrature point.
 #[derive(Clone, Copy, Debug)]
@@ -106,10 +102,8 @@ impl EmitterCell {
         let corner = |x: f64, y: f64| patch.point(cell.at(DVec2::new(x, y))).position;
         let around = || [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
         let corners = patch.mesh.is_planar().then(around);
-        let bounds = corners.map_or([centre - ball.1, centre + ball.1], |corners| {
-            let around = |limit: fn(DVec3, DVec3) -> DVec3| corners.into_iter().fold(corners[0], limit);
-            [around(DVec3::min), around(DVec3::max)]
-        });
+        let planar = |corners: &[DVec3; 4]| NodeBounds::planar(corners, points[0].at.normal);
+        let bounds = corners.as_ref().map_or(NodeBounds::ball(ball), planar);
         let children = OnceLock::new();
         let member = Some(member);
         Self {
@@ -131,7 +125,7 @@ impl EmitterCell {
     pub(super) fn several(
         points: [QuadraturePoint; POINTS],
         ball: (DVec3, f64),
-        bounds: Bounds,
+        bounds: NodeBounds,
         children: Vec<EmitterCell>,
     ) -> Self {
         Self {
@@ -164,21 +158,20 @@ impl EmitterCell {
         self.points.iter().filter(|point| point.area > 0.0)
     }
 
-    /// Whether a point is so near that quadrature points may all face away from it, or lie below its horizon,
-    /// where others do not. Planes have Lambert's formula there.
-    pub(super) fn may_hide_between_points(&self, position: DVec3) -> bool {
-        self.corners.is_none() && self.distance(position) <= 0.0
+    /// Whether all quadrature points may face away from a point, or lie below its horizon, where others do not: in
+    /// several patches wherever some may, unless that hardly matters (`is_whole`); of a curved patch in its ball. Planes
+    /// have Lambert's formula there.
+    pub(super) fn may_hide_between_points(&self, position: DVec3, is_whole: bool) -> bool {
+        match (self.member, &self.corners) {
+            (None, _) => !is_whole,
+            (Some(_), None) => self.distance_from_ball(position) <= 0.0,
+            (Some(_), Some(_)) => false,
+        }
     }
 
     /// The greatest radiosity of its quadrature points.
     pub(super) fn radiosity(&self) -> f64 {
         self.points().map(|point| point.radiosity.abs().max_element()).fold(0.0, f64::max)
-    }
-
-    /// Distance of a point from its ball, or from its box if that is farther; 0 inside of both.
-    fn distance(&self, position: DVec3) -> f64 {
-        let [low, high] = self.bounds;
-        position.distance(position.clamp(low, high)).max(self.distance_from_ball(position))
     }
 
     /// Distance of a point from its ball; 0 inside.
@@ -187,9 +180,13 @@ impl EmitterCell {
         (position.distance(centre) - radius).max(0.0)
     }
 
-    /// The most irradiance it can give to a point.
-    pub(super) fn bound(&self, position: DVec3) -> f64 {
-        self.bound_at(self.distance(position))
+    /// The most irradiance it can give to a point, and whether all of it faces the point and lies above its horizon.
+    /// `None` if nothing does.
+    pub(super) fn bound(&self, receiver: &PatchPoint) -> Option<(f64, bool)> {
+        let Facing::Maybe { most, is_everywhere } = self.bounds.facing(receiver) else { return None };
+        let position = receiver.position;
+        let distance = self.bounds.distance(position).max(self.distance_from_ball(position));
+        Some((most * self.bound_at(distance), is_everywhere))
     }
 
     /// The most irradiance it can give to any point at this distance: if all of it is so near, facing the point.

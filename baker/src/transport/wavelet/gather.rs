@@ -14,9 +14,24 @@ const QUADRATURE_SHARE: f64 = 0.25;
 /// Irradiance that visibility of four quadrature points decides about at once, tolerances at most: more is
 /// divided, so that there are more rays where more light comes from.
 const MOST_AT_ONCE: f64 = 16.0;
-/// The same of a cell that is visible in part: errors of many such cells, an eighth of their irradiance, add
+/// The same of a cell that is visible in part, or of which a part may face away: errors of many such cells, an eighth of their irradiance, add
 /// up like independent ones.
 const MOST_IN_PART: f64 = 4.0;
+
+/// Parts of several patches that may give more than this part of their radiosity are looked at apart where the brightness
+/// of a receiver is estimated.
+const ROUGH: f64 = 1.0 / 16.0;
+
+/// About the irradiance of a point if nothing is in between: of nodes with a bound below `most`.
+fn brightness(cell: &EmitterCell, receiver: &PatchPoint, most: f64) -> f64 {
+    match cell.bound(receiver) {
+        None => 0.0,
+        Some((bound, _)) if bound > most && cell.member().is_none() => {
+            cell.children.get().map_or(0.0, |all| all.iter().map(|it| brightness(it, receiver, most)).sum())
+        }
+        Some(_) => cell.irradiance(receiver, false).abs().max_element(),
+    }
+}
 
 /// PatchVisibility among a scene's surfaces.
 pub(super) struct PatchVisibility<'a, S> {
@@ -72,7 +87,7 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     ///
     /// A cell whose quadrature differs from that of its quarters by more than the tolerance is divided; else
     /// the latter is taken, whose error is a fraction of the difference. So is one that gives much light, is
-    /// visible in part, or is all around.
+    /// visible in part, is all around, or may face away in part.
     pub(super) fn irradiance(
         &self,
         emitter: &Emitter,
@@ -82,7 +97,7 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
         // No more than its radiosity, also where a point that stands for many is near.
-        let brightness = unoccluded.abs().max_element().min(root.radiosity());
+        let brightness = brightness(root, receiver, ROUGH * root.radiosity()).min(root.radiosity());
         let tolerance = QUADRATURE_SHARE * tolerance.at(brightness);
         self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
@@ -95,7 +110,8 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
         receiver: &PatchPoint,
         tolerance: f64,
     ) -> DVec3 {
-        if emitter.is_last(cell) || cell.bound(receiver.position) <= tolerance {
+        let Some((bound, faces_everywhere)) = cell.bound(receiver) else { return DVec3::ZERO };
+        if emitter.is_last(cell) || bound <= tolerance {
             return self.with_visibility(cell, receiver, unoccluded, emitter.is_last(cell)).0;
         }
         let children = emitter.children(cell);
@@ -105,8 +121,9 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
         }
         let sum: DVec3 = fine.iter().sum();
         let size = sum.abs().max_element();
+        let is_whole = faces_everywhere || bound <= MOST_IN_PART * tolerance;
         let is_settled = (sum - unoccluded).abs().max_element() <= tolerance
-            && !cell.may_hide_between_points(receiver.position);
+            && !cell.may_hide_between_points(receiver.position, is_whole);
         if is_settled && size <= MOST_AT_ONCE * tolerance {
             let (result, is_partial) = self.with_visibility(cell, receiver, sum, false);
             if !is_partial || size <= MOST_IN_PART * tolerance {

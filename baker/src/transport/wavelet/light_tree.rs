@@ -56,8 +56,8 @@ fn of_slice(
         None => QuadraturePoint { area: 0.0, radiosity: DVec3::ZERO, ..children[0].any_point() },
     };
     let points = [0, 1, 2, 3].map(of_child);
-    let bounds = children.iter().map(|child| child.bounds);
-    let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default();
+    let first = children[0].bounds;
+    let bounds = children.iter().fold(first, |bounds, child| bounds.union(child.bounds));
     EmitterCell::several(points, ball, bounds, children)
 }
 

@@ -12,6 +12,7 @@
 //! | `emitter`, `emitter_cell`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
 //! | `clusters`, `light_tree` | many small patches that shoot together |
 //! | `gather_clusters` | many small patches that receive at one point |
+//! | `node_bounds` | boxes and normal cones of what shoots |
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |
 //! | `solver`, `solution` | Southwell relaxation, its result |
@@ -31,6 +32,7 @@ mod gather;
 mod gather_clusters;
 mod light_tree;
 pub mod lightmap;
+mod node_bounds;
 mod patch;
 mod receive;
 mod scene_patches;
