@@ -3,7 +3,7 @@
 mod convergence;
 mod enclosures;
 mod form_factors;
-mod gather_clusters;
+mod many_patches;
 mod two_scale;
 
 use super::{WaveletPatch, WaveletSettings, WaveletSolution, solve};

@@ -1,4 +1,5 @@
-//! Representatives of small patches: near, alike, in sight, and far fewer than the patches.
+//! Many small patches: representatives of receivers are near, alike, in sight, and far fewer than the patches; what shoots
+//! together gives the power that it has.
 
 use super::super::gather_clusters::representatives;
 use super::super::patch::PlacedPatch;
@@ -90,4 +91,37 @@ fn clusters_on_a_curve_face_alike() {
     let count = clusters(&found).len();
     // 0.2 of TAU in each at most.
     assert!((32..128).contains(&count), "{count}");
+}
+
+/// Shining slivers around a cylinder of radius 1 along y, 2 long; outward or inward.
+fn slivers(is_inward: bool) -> Vec<WaveletPatch> {
+    const COUNT: u32 = 400;
+    let half = DVec2::new(1.0, 0.5 * TAU / f64::from(COUNT));
+    let sliver = |i: u32| {
+        let angle = TAU * f64::from(i) / f64::from(COUNT);
+        let outward = DVec3::new(angle.cosine(), 0.0, angle.sine());
+        let normal = if is_inward { -outward } else { outward };
+        let frame = Frame::new(outward, normal, DVec3::Y).unwrap();
+        shining(patch_of(Surface::Plane(frame), false, vec![rectangle(-half, half)]))
+    };
+    (0..COUNT).map(sliver).collect()
+}
+
+#[test]
+fn slivers_of_a_cylinder_give_all_their_power() {
+    let settings = WaveletSettings { epsilon: 0.03, ..WaveletSettings::default() };
+    // A sphere far around takes all; a small one in the middle sees 1 - 2 (1 - 1/sqrt 2) / 2 of the sphere of directions.
+    let area = 2.0 * TAU;
+    let around = area / (2.0 * TAU * 25.0);
+    for (is_inward, radius, expected) in [(false, 5.0, around), (true, 0.3, 0.5_f64.sqrt())] {
+        let mut patches = slivers(is_inward);
+        let receiver = patches.len();
+        patches.push(sphere(DVec3::ZERO, radius, !is_inward));
+        let solution = solved(&patches, &settings);
+        let points = real_points(&patches[receiver], 32);
+        let irradiance = |st| f64::from(solution.irradiance_of_emitters(receiver, st).x);
+        let mean: f64 = points.iter().map(|(st, share)| share * irradiance(*st)).sum();
+        println!("slivers, inward {is_inward}: {mean} and {expected}");
+        assert!((mean / expected - 1.0).abs() < 0.01, "{mean} and {expected}");
+    }
 }

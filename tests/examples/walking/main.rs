@@ -19,18 +19,22 @@
 //! Light on the figure itself, in a second table: by the operator, which has that of the figure at rest, by antiradiance, by the
 //! operator's light with the difference of antiradiance now and at rest, and by both, as the page has it ([`beside`]).
 
+mod compared;
+mod means;
+
 use anyhow::{Context, Result};
+use compared::{Compared, compared, traced};
 use glam::{DVec3, Vec3};
+use means::{area_point, at, smooth};
 use rayon::prelude::*;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::demo::walker;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::LoadOptions;
-use rebounce::light::direct::{at_footprint, at_hit};
+use rebounce::light::direct::at_footprint;
 use rebounce::scene::Scene;
 use rebounce::transport::antiradiance::direct::of_patch;
-use rebounce::transport::antiradiance::near::{AreaPoint, Near};
+use rebounce::transport::antiradiance::near::AreaPoint;
 use rebounce::transport::antiradiance::{Pool, patches_of};
 use rebounce_shared::antiradiance::leaving::Leaving;
 use rebounce_shared::antiradiance::sweep::{Sweep, SweepScene};
@@ -46,18 +50,12 @@ use std::f32::consts::FRAC_1_PI;
 const WAYS: [&str; 5] = ["operator", "antiradiance", "difference", "in the page", "first bounces"];
 /// Those of the table of light on the figure.
 const FIGURE_WAYS: [&str; 4] = ["operator", "antiradiance", "difference from rest", "in the page"];
-/// Patches where the light is compared, and paths from each for one of two estimates.
+/// Patches where the light is compared.
 const PLACES: usize = 400;
-const PATHS: u64 = 512;
 /// Patches nearer to the figure than this are compared apart, metres.
 const NEAR: f32 = 1.0;
-/// Surfaces that a path meets at most.
-const BOUNCES: u32 = 12;
 /// Sweeps of the light that the figure changes.
 const SWEEPS: u32 = 6;
-/// How far a patch or a point has a weight, in sides of a square of its mean area.
-const REACH: f32 = 2.0;
-
 /// The room with the figure at rest.
 struct AtRest {
     baked: BakedScene,
@@ -412,20 +410,6 @@ fn of_figure(
     [by_operator, &now, &difference, &in_page].map(|found| compared(&places, found)).to_vec()
 }
 
-/// Means of the values of near patches, at the patches themselves.
-fn smooth(patches: &[Patch], values: &[Vec3]) -> Vec<Vec3> {
-    means(patches, values, patches.iter().map(|patch| [patch.position(), patch.normal]).collect())
-}
-
-/// Means of the values of near patches, at places with normals.
-fn means(patches: &[Patch], values: &[Vec3], at: Vec<[Vec3; 2]>) -> Vec<Vec3> {
-    let places: Vec<AreaPoint> = patches.iter().map(AreaPoint::from).collect();
-    let area: f32 = places.iter().map(|place| place.area).sum();
-    let near = Near::new(&places, REACH * (area / places.len() as f32).sqrt());
-    let mean = |[place, normal]: &[Vec3; 2]| near.mean(*place, *normal, values).unwrap_or(Vec3::ZERO);
-    at.par_iter().map(mean).collect()
-}
-
 /// A room with the figure at a time of its walk, or at rest, and the figure's patches in the room's local space.
 fn with_figure(scene: &Scene, time: Option<f64>) -> Result<(Scene, Vec<Patch>)> {
     let pose = time.map(|time| rebounce::io::PoseOption { animation: None, time });
@@ -440,44 +424,9 @@ fn with_figure(scene: &Scene, time: Option<f64>) -> Result<(Scene, Vec<Patch>)> 
     Ok((whole, patches))
 }
 
-/// A point of a file; all count alike.
-fn area_point(baked: &BakedScene, point: usize) -> AreaPoint {
-    let point = &baked.points[point];
-    AreaPoint { position: point.position(), normal: point.normal(), area: 1.0 }
-}
-
-/// Values of points at patches of the room.
-fn at(patches: &[Patch], points: &[AreaPoint], values: &[Vec3]) -> Vec<Vec3> {
-    let area: f32 = patches.iter().map(Patch::area).sum();
-    let near = Near::new(points, REACH * (area / points.len() as f32).sqrt());
-    let at = |patch: &Patch| near.mean(patch.position(), patch.normal, values).unwrap_or(Vec3::ZERO);
-    patches.par_iter().map(at).collect()
-}
-
 /// Error and bias of all places, and of those near the figure.
 fn cell([error, bias, error_near, bias_near]: &[f32; 4]) -> String {
     format!("{error:.3}, {bias:+.3} ({error_near:.3}, {bias_near:+.3})")
-}
-
-/// A patch where the light is compared, with both estimates of it.
-#[derive(Clone, Copy)]
-struct Compared {
-    patch: usize,
-    area: f32,
-    truth: [Vec3; 2],
-}
-
-/// Relative RMS without the noise of the estimates, and the bias as a share of the mean.
-fn compared(places: &[Compared], found: &[Vec3]) -> [f32; 2] {
-    let (mut off, mut power, mut sums) = (0.0, 0.0, [0.0, 0.0]);
-    for place in places {
-        let ([a, b], own) = (place.truth, found[place.patch]);
-        off += place.area * (own - a).dot(own - b);
-        power += place.area * a.dot(b);
-        sums[0] += place.area * own.element_sum();
-        sums[1] += 0.5 * place.area * (a + b).element_sum();
-    }
-    [(off.max(0.0) / power).sqrt(), sums[0] / sums[1] - 1.0]
 }
 
 /// One transport of the light of the first patches, whose irradiance is `given`, by antiradiance. The others reflect what comes
@@ -500,28 +449,4 @@ fn transported(solver: &AntiradianceSolver<'_>, given: &[Vec3], direct: &[Vec3])
         Sweep::irradiance(&scene, &table, &mut found, &Pool);
     }
     found
-}
-
-/// Bounced irradiance of a patch by paths from places on it.
-fn traced(surfaces: &TriangleSurfaces, lamps: &[LightSource], patch: &Patch, seed: u64) -> Vec3 {
-    let id = patch.position().to_array().map(f32::to_bits);
-    let mut stream = Stream::new(seed, u64::from(id[0]) << 32 ^ u64::from(id[1]) << 16 ^ u64::from(id[2]));
-    let places = patch.sixty_fourths();
-    let mut sum = Vec3::ZERO;
-    for path in 0..PATHS {
-        let mut origin = places[path as usize % places.len()] + surfaces.epsilon() * patch.normal;
-        let (mut normal, mut weight) = (patch.normal, Vec3::ONE);
-        for _ in 0..BOUNCES {
-            let direction = stream.cosine_hemisphere(normal);
-            let cast = (stream.unit() * u32::MAX as f32) as u32;
-            let Some(hit) = surfaces.cast(&Ray::visibility(origin, direction), cast) else { break };
-            weight *= hit.albedo;
-            if weight == Vec3::ZERO {
-                break;
-            }
-            sum += weight * at_hit(surfaces, lamps, &hit);
-            (origin, normal) = (hit.offset_origin(-direction, surfaces.epsilon_at(hit.position)), hit.normal);
-        }
-    }
-    sum / PATHS as f32
 }
