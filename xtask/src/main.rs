@@ -1,5 +1,5 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
-//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-radiosity`, `bench-antiradiance`, `bench-scale`, `bench-gloss`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
+//! `bench-web`, `bench-bake`, `bench-kernels`, `bench-cad`, `bench-wavelet`, `bench-radiosity`, `bench-antiradiance`, `bench-scale`, `bench-gloss`, `fuzz`, `fuzz-step`, `audit`, `damage`, `soak`,
 //! `kill-bake`, `plot-estimate`, `refine`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
@@ -9,6 +9,7 @@ mod bench_cad;
 mod bench_kernels;
 mod bench_radiosity;
 mod bench_scale;
+mod bench_wavelet;
 mod bench_web;
 mod bindgen;
 mod bundle_size;
@@ -79,10 +80,11 @@ cargo xtask bench-radiosity [--functions N] [SCENE ...]
 cargo xtask bench-antiradiance [--spp N | --page]
                      antiradiance against the path tracer, by bins, elements and iterations; writes docs/reports/antiradiance.md
                      with plots. Half an hour. --page: in headless Chromium; writes docs/reports/antiradiance-page.md
-cargo xtask bench-cad [--rays N] [--quick] [--wavelets SCENE,SCENE] [FILE.step ...]
-                     exact faces beside triangles: lost hits of 10 million rays, rays a second, wavelet radiosity with
-                     errors against the path tracer; writes docs/reports/cad.md. Hours; --quick: noisier errors;
-                     --wavelets: only prints tables of wavelet radiosity of these generated scenes
+cargo xtask bench-cad [--rays N] [FILE.step ...]
+                     exact faces beside triangles: lost hits of 10 million rays, rays a second; writes docs/reports/cad.md
+cargo xtask bench-wavelet [--quick] [SCENE ...]
+                     wavelet radiosity on exact faces and on triangles, with errors against the path tracer; writes
+                     docs/reports/wavelet.md. Hours; --quick: noisier errors, half an hour
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask bench-gloss [--quick] [--scenes DIR]
@@ -137,6 +139,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-kernels") => bench_kernels::run(&args[1..]),
         Some("bench-cad") => bench_cad::run(&args[1..]),
+        Some("bench-wavelet") => bench_wavelet::run(&args[1..]),
         Some("bench-antiradiance") => bench_antiradiance::run(&args[1..]),
         Some("bench-radiosity") => bench_radiosity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),

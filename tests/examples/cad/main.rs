@@ -1,10 +1,9 @@
-//! Figures of exact surfaces as tables of Markdown, for `cargo xtask bench-cad`:
+//! Figures of exact surfaces as tables of Markdown:
 //!
-//! `cad [--rays N] [--quick] [--wavelets SCENE,SCENE] [FILE.step ...]`, or
-//! `cad --coarse COUNT OUT.rbn FILE.step`, which bakes a file as about COUNT triangles
-//!
-//! Rays against exact faces and against tessellations; wavelet radiosity on exact faces and on triangles, in the columns of
-//! Alonso et al. 2001, with errors against a path tracer. `--wavelets` prints the tables of these generated scenes alone.
+//! `cad [--rays N] [FILE.step ...]`, for `cargo xtask bench-cad`: rays against exact faces and against tessellations;
+//! `cad --wavelets SCENE,SCENE [--quick]`, for `cargo xtask bench-wavelet`: wavelet radiosity on exact faces and on triangles of
+//! generated scenes, in the columns of Alonso et al. 2001, with errors against a path tracer;
+//! `cad --coarse COUNT OUT.rbn FILE.step` bakes a file as about COUNT triangles.
 
 mod coarse;
 mod rays;
@@ -60,7 +59,5 @@ fn main() -> Result<()> {
     rays::lost_hits(&scenes, rays / scenes.len() as u64, CHORD)?;
     println!("\n## Rays a second\n");
     println!("One thread, rays that leave surfaces, against the triangles that look alike.\n");
-    rays::speed(&scenes)?;
-    println!("\n## Wavelet radiosity\n");
-    wavelets::tables(&SCENES, is_quick)
+    rays::speed(&scenes)
 }

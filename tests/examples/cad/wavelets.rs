@@ -45,7 +45,7 @@ pub fn tables(names: &[&str], is_quick: bool) -> Result<()> {
          not constant.\n"
     );
     for name in names {
-        println!("### {name}\n");
+        println!("## {name}\n");
         println!(
             "| surfaces | basis | input primitives | final meshes | coefficients | convergence | time, s | memory, MB | shooting surfaces | shots | rays, M | error | bias |"
         );

@@ -25,7 +25,7 @@ mod means;
 use anyhow::{Context, Result};
 use compared::{Compared, compared, traced};
 use glam::{DVec3, Vec3};
-use means::{area_point, at, smooth};
+use means::{area_point, at, means, smooth};
 use rayon::prelude::*;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::demo::walker;

@@ -18,11 +18,10 @@ const MOST_AT_ONCE: f64 = 16.0;
 /// up like independent ones.
 const MOST_IN_PART: f64 = 4.0;
 
-/// Parts of several patches that may give more than this part of their radiosity are looked at apart where the brightness
-/// of a receiver is estimated.
-const ROUGH: f64 = 1.0 / 16.0;
+/// Nodes of several patches are opened for an estimate of brightness if their bound is above this share of the radiosity.
+const BRIGHTNESS_SHARE: f64 = 1.0 / 16.0;
 
-/// About the irradiance of a point if nothing is in between: of nodes with a bound below `most`.
+/// Estimate of the irradiance of a point, if nothing is in between, on the cut of the tree whose nodes have bounds below `most`.
 fn brightness(cell: &EmitterCell, receiver: &PatchPoint, most: f64) -> f64 {
     match cell.bound(receiver) {
         None => 0.0,
@@ -97,7 +96,8 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
         // No more than its radiosity, also where a point that stands for many is near.
-        let brightness = brightness(root, receiver, ROUGH * root.radiosity()).min(root.radiosity());
+        let brightness =
+            brightness(root, receiver, BRIGHTNESS_SHARE * root.radiosity()).min(root.radiosity());
         let tolerance = QUADRATURE_SHARE * tolerance.at(brightness);
         self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
