@@ -33,7 +33,7 @@ pub fn run() -> Result<()> {
         let name = file.strip_prefix(&root).unwrap_or(&file).display().to_string();
         let fault =
             |line| format!("{name}:{line}: an indented block is an example to rustdoc: write ```text");
-        faults.extend(indented(&text).map(fault));
+        faults.extend(indented(&text).into_iter().map(fault));
     }
     if !faults.is_empty() {
         bail!("documentation:\n  {}", faults.join("\n  "));
@@ -58,19 +58,17 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// Lines of doc comments with indented blocks: four spaces or more after an empty line.
-fn indented(text: &str) -> impl Iterator<Item = usize> {
+/// Lines of doc comments with indented blocks: four spaces or more after an empty line, outside of fences.
+fn indented(text: &str) -> Vec<usize> {
     let comment = |line: &str| {
         let line = line.trim_start();
-        line.strip_prefix("//!").or_else(|| line.strip_prefix("///")).map(str::to_owned)
+        let content = line.strip_prefix("//!").or_else(|| line.strip_prefix("///"));
+        content.unwrap_or("code").to_owned()
     };
-    let mut was_empty = false;
-    text.lines().map(comment).enumerate().filter_map(move |(i, content)| {
-        let is_indented = content.as_ref().is_some_and(|content| content.starts_with("     "));
-        let is_found = was_empty && is_indented;
-        was_empty = content.is_some_and(|content| content.trim().is_empty());
-        is_found.then_some(i + 1)
-    })
+    let comments = text.lines().map(comment).collect::<Vec<_>>().join("\n");
+    let lines: Vec<_> = prose(&comments).collect();
+    let is_block = |pair: &&[(usize, &str)]| pair[0].1.trim().is_empty() && pair[1].1.starts_with("     ");
+    lines.windows(2).filter(is_block).map(|pair| pair[1].0).collect()
 }
 
 /// Lines of prose, without code blocks, of a text.
@@ -168,8 +166,8 @@ mod tests {
 
     #[test]
     fn indented_blocks_of_comments_are_found_and_fenced_ones_and_lists_are_not() {
-        let text = "/// A.\n///\n///     a = b\n/// ```text\n///     a\n/// ```\n/// - c\n///     d\n";
-        assert_eq!(indented(text).collect::<Vec<_>>(), [3]);
+        let text = "/// A.\n///\n///     a = b\n/// ```text\n///\n///     a\n/// ```\n/// - c\n///     d\n";
+        assert_eq!(indented(text), [3]);
     }
 
     #[test]

@@ -56,6 +56,7 @@ const PLACES: usize = 400;
 const NEAR: f32 = 1.0;
 /// Sweeps of the light that the figure changes.
 const SWEEPS: u32 = 6;
+
 /// The room with the figure at rest.
 struct AtRest {
     baked: BakedScene,

@@ -36,6 +36,7 @@ pub(super) struct EmitterCell {
     quarter_area: f64,
     /// Ball around the cell, about: centre and radius.
     pub ball: (DVec3, f64),
+    /// Bounds of positions and normals.
     pub bounds: NodeBounds,
     pub(super) children: OnceLock<Vec<EmitterCell>>,
 }
@@ -158,9 +159,8 @@ impl EmitterCell {
         self.points.iter().filter(|point| point.area > 0.0)
     }
 
-    /// Whether all quadrature points may face away from a point, or lie below its horizon, where others do not: in
-    /// several patches wherever some may, unless that hardly matters (`is_whole`); of a curved patch in its ball. Planes
-    /// have Lambert's formula there.
+    /// Whether all quadrature points may face away from a point, or lie below its horizon, where the rest of the cell does
+    /// not: for several patches unless `is_whole`, for a curved patch inside its ball. Planes have Lambert's formula.
     pub(super) fn may_hide_between_points(&self, position: DVec3, is_whole: bool) -> bool {
         match (self.member, &self.corners) {
             (None, _) => !is_whole,
@@ -180,8 +180,8 @@ impl EmitterCell {
         (position.distance(centre) - radius).max(0.0)
     }
 
-    /// The most irradiance it can give to a point, and whether all of it faces the point and lies above its horizon.
-    /// `None` if nothing does.
+    /// Upper bound of the irradiance of a point, and whether the whole cell faces the point above its horizon. `None` if no
+    /// part of the cell does.
     pub(super) fn bound(&self, receiver: &PatchPoint) -> Option<(f64, bool)> {
         let Facing::Maybe { most, is_everywhere } = self.bounds.facing(receiver) else { return None };
         let position = receiver.position;
@@ -189,7 +189,7 @@ impl EmitterCell {
         Some((most * self.bound_at(distance), is_everywhere))
     }
 
-    /// The most irradiance it can give to any point at this distance: if all of it is so near, facing the point.
+    /// Upper bound of the irradiance at a distance: all power at this distance, both cosines 1.
     pub(super) fn bound_at(&self, distance: f64) -> f64 {
         let power: f64 = self.points().map(|point| point.area * point.radiosity.abs().max_element()).sum();
         power / (PI * distance * distance)

@@ -14,8 +14,8 @@ const QUADRATURE_SHARE: f64 = 0.25;
 /// Irradiance that visibility of four quadrature points decides about at once, tolerances at most: more is
 /// divided, so that there are more rays where more light comes from.
 const MOST_AT_ONCE: f64 = 16.0;
-/// The same of a cell that is visible in part, or of which a part may face away: errors of many such cells, an eighth of their irradiance, add
-/// up like independent ones.
+/// The same of a cell that is partly visible, or may partly face away: errors of many such cells, an eighth of their
+/// irradiance, add up like independent ones.
 const MOST_IN_PART: f64 = 4.0;
 
 /// Nodes of several patches are opened for an estimate of brightness if their bound is above this share of the radiosity.
@@ -95,10 +95,13 @@ impl<'a, S: Surfaces> PatchVisibility<'a, S> {
     ) -> DVec3 {
         let root = emitter.root();
         let unoccluded = root.irradiance(receiver, emitter.is_last(root));
+        let radiosity = root.radiosity();
+        let brightness = match root.member() {
+            Some(_) => unoccluded.abs().max_element(),
+            None => brightness(root, receiver, BRIGHTNESS_SHARE * radiosity),
+        };
         // No more than its radiosity, also where a point that stands for many is near.
-        let brightness =
-            brightness(root, receiver, BRIGHTNESS_SHARE * root.radiosity()).min(root.radiosity());
-        let tolerance = QUADRATURE_SHARE * tolerance.at(brightness);
+        let tolerance = QUADRATURE_SHARE * tolerance.at(brightness.min(radiosity));
         self.of_cell(emitter, root, unoccluded, receiver, tolerance)
     }
 

@@ -1,26 +1,25 @@
-//! Many small patches that receive at one point: clusters of gather points with a representative each.
+//! Clusters of gather points: small patches with one representative receiver.
 //!
-//! Walter, Arbree, Bala, Greenberg: Multidimensional Lightcuts (2006), 3: gather points near each other, facing
-//! alike, stand for each other. Here a cluster is as small as the least cells and nearly flat, so that one
-//! representative is enough at all distances.
+//! Walter, Arbree, Bala, Greenberg: Multidimensional Lightcuts (2006), section 3. Clusters here have at most half the
+//! area of the least cells and a narrow range of normals: one representative suffices at all distances.
 
 use super::clusters::{halves, place_of};
 use super::patch::{PatchPoint, PlacedPatch};
 use glam::DVec3;
 
-/// Greatest area, part of the least area of cells that are divided: between that of the cells they are divided into and their own.
+/// Greatest area of a cluster, part of the least area of divided cells, whose quarters have 1/4 of it.
 const CLUSTER_AREA: f64 = 0.5;
 /// Greatest distance from the representative, part of the side of a square of the least area.
 const REACH: f64 = 0.5;
 /// Greatest difference of unit normals.
 const TURN: f64 = 0.1;
-/// Rays between middles are lifted by this part of the distance: the surface may bulge in between, by TURN / 4 of it at most.
+/// Lift of rays between middles, part of the distance: the surface bulges in between by TURN / 4 of it at most.
 const LIFT: f64 = 0.5 * TURN;
 
-/// By patch, the one at whose middle it receives: itself, or for a patch smaller than `least_area` another that
-/// lies near, faces alike and is in sight. A representative is its own.
+/// By patch, the index of its representative, at whose middle irradiance is evaluated. Patches of `least_area` or more
+/// represent themselves.
 ///
-/// `sees` is whether nothing is between two points.
+/// `sees`: visibility between two points.
 pub(super) fn representatives(
     patches: &[PlacedPatch],
     least_area: f64,
@@ -81,7 +80,7 @@ impl<Sees: Fn(DVec3, DVec3) -> bool> Clustering<'_, Sees> {
         members.iter().fold(members[0], nearer)
     }
 
-    /// Whether light at one patch is that at another.
+    /// Whether two patches are near, with similar normals, and visible to each other.
     fn is_like(&self, a: usize, b: usize) -> bool {
         let [a, b] = [a, b].map(|patch| self.middle(patch));
         let distance = a.position.distance(b.position);

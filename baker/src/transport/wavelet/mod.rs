@@ -11,7 +11,7 @@
 //! | `tree` | irradiance in quadtrees: push, pull, residuals |
 //! | `emitter`, `emitter_cell`, `gather` | quadrature over the cells of a patch that shoots, and visibility |
 //! | `clusters`, `light_tree` | many small patches that shoot together |
-//! | `gather_clusters` | many small patches that receive at one point |
+//! | `gather_clusters` | representatives of small receivers |
 //! | `node_bounds` | boxes and normal cones of what shoots |
 //! | `form_factor` | Lambert's formula, for near cells of planes |
 //! | `receive` | refinement oracle of receivers |

@@ -82,22 +82,19 @@ impl NodeBounds {
         let nearest = self.distance(receiver.position);
         let cosine = |along: f64| if along < nearest { along / nearest } else { 1.0 };
         let mut most = cosine(highest);
-        let mut is_everywhere = lowest > 0.0;
-        if let Some(NormalCone { axis, angle }) = self.cone {
-            let farthest = from.length() + half.length();
-            let (sine, cosine_of_angle) = angle.sine_cosine();
-            let [low, high] = range(-axis);
-            let [sideways, least] = [farthest * sine, low * cosine_of_angle];
-            let towards = if high > 0.0 { high } else { high * cosine_of_angle } + sideways;
-            if towards <= 0.0 {
-                return Facing::Never;
-            }
-            most *= cosine(towards);
-            is_everywhere &= least > sideways;
-        } else {
-            is_everywhere = false;
+        let Some(NormalCone { axis, angle }) = self.cone else {
+            return Facing::Maybe { most, is_everywhere: false };
+        };
+        let farthest = from.length() + half.length();
+        let (sine, cosine_of_angle) = angle.sine_cosine();
+        let [low, high] = range(-axis);
+        let sideways = farthest * sine;
+        let towards = if high > 0.0 { high } else { high * cosine_of_angle } + sideways;
+        if towards <= 0.0 {
+            return Facing::Never;
         }
-        Facing::Maybe { most, is_everywhere }
+        most *= cosine(towards);
+        Facing::Maybe { most, is_everywhere: lowest > 0.0 && low * cosine_of_angle > sideways }
     }
 }
 
@@ -124,7 +121,7 @@ mod tests {
         DVec3::new(at(), at(), at()).normalize()
     }
 
-    /// Small squares with these middles and normals, and what they are together.
+    /// Random small squares, as corners and normal, and the bounds of their union.
     fn squares(stream: &mut Stream, spread: f64) -> (Vec<[DVec3; 5]>, NodeBounds) {
         let about = unit(stream);
         let square = |_| {

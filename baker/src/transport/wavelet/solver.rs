@@ -196,7 +196,7 @@ impl<'a> Shooting<'a> {
         patch.real_area < self.clusters.least_area
     }
 
-    /// Adds what all patches have received. A patch has received what its representative has, of lamps what it has itself.
+    /// Adds received light to all trees: that of the patch's representative; of lamps, of the patch itself.
     fn merge(&mut self, received: &[Option<ReceivedTree>], arrival: Arrival) {
         let add = |(index, tree): (usize, &mut Tree)| {
             let patch = &self.patches[index];

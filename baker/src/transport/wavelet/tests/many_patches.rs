@@ -1,5 +1,5 @@
-//! Many small patches: representatives of receivers are near, alike, in sight, and far fewer than the patches; what shoots
-//! together gives the power that it has.
+//! Many small patches: representatives of receivers are near, visible, with similar normals, and few; clusters of emitters
+//! keep their power.
 
 use super::super::gather_clusters::representatives;
 use super::super::patch::PlacedPatch;
@@ -20,15 +20,17 @@ fn tiles() -> Vec<WaveletPatch> {
     (0..SIDE * SIDE).map(tile).collect()
 }
 
-/// Strips of a cylinder of radius 1 along y, as planes.
-fn strips(count: u32) -> Vec<WaveletPatch> {
-    let strip = |i: u32| {
+/// Planar slivers around a cylinder of radius 1 along y; outward or inward.
+fn slivers(count: u32, half_length: f64, is_inward: bool) -> Vec<WaveletPatch> {
+    let half = DVec2::new(half_length, 0.5 * TAU / f64::from(count));
+    let sliver = |i: u32| {
         let angle = TAU * f64::from(i) / f64::from(count);
-        let normal = DVec3::new(angle.cosine(), 0.0, angle.sine());
-        let half = DVec2::splat(0.5 * TAU / f64::from(count));
-        flat(normal, normal, vec![rectangle(-half, half)])
+        let outward = DVec3::new(angle.cosine(), 0.0, angle.sine());
+        let normal = if is_inward { -outward } else { outward };
+        let frame = Frame::new(outward, normal, DVec3::Y).unwrap();
+        patch_of(Surface::Plane(frame), false, vec![rectangle(-half, half)])
     };
-    (0..count).map(strip).collect()
+    (0..count).map(sliver).collect()
 }
 
 fn placed(patches: &[WaveletPatch]) -> Vec<PlacedPatch<'_>> {
@@ -80,7 +82,7 @@ fn a_wall_parts_clusters() {
 
 #[test]
 fn clusters_on_a_curve_face_alike() {
-    let patches = strips(600);
+    let patches = slivers(600, TAU / 1200.0, false);
     let patches = placed(&patches);
     // So large that only the normals part them.
     let found = representatives(&patches, 100.0, &|_, _| true);
@@ -93,20 +95,6 @@ fn clusters_on_a_curve_face_alike() {
     assert!((32..128).contains(&count), "{count}");
 }
 
-/// Shining slivers around a cylinder of radius 1 along y, 2 long; outward or inward.
-fn slivers(is_inward: bool) -> Vec<WaveletPatch> {
-    const COUNT: u32 = 400;
-    let half = DVec2::new(1.0, 0.5 * TAU / f64::from(COUNT));
-    let sliver = |i: u32| {
-        let angle = TAU * f64::from(i) / f64::from(COUNT);
-        let outward = DVec3::new(angle.cosine(), 0.0, angle.sine());
-        let normal = if is_inward { -outward } else { outward };
-        let frame = Frame::new(outward, normal, DVec3::Y).unwrap();
-        shining(patch_of(Surface::Plane(frame), false, vec![rectangle(-half, half)]))
-    };
-    (0..COUNT).map(sliver).collect()
-}
-
 #[test]
 fn slivers_of_a_cylinder_give_all_their_power() {
     let settings = WaveletSettings { epsilon: 0.03, ..WaveletSettings::default() };
@@ -114,7 +102,7 @@ fn slivers_of_a_cylinder_give_all_their_power() {
     let area = 2.0 * TAU;
     let around = area / (2.0 * TAU * 25.0);
     for (is_inward, radius, expected) in [(false, 5.0, around), (true, 0.3, 0.5_f64.sqrt())] {
-        let mut patches = slivers(is_inward);
+        let mut patches: Vec<WaveletPatch> = slivers(400, 1.0, is_inward).into_iter().map(shining).collect();
         let receiver = patches.len();
         patches.push(sphere(DVec3::ZERO, radius, !is_inward));
         let solution = solved(&patches, &settings);
